@@ -54,6 +54,7 @@ class MadeCommand(NamedTuple):
     shaped: float
     gives_way: float
     at_travel: float
+    half_travelled: float
     by_plan: float
     has_plan: float
     payout: float

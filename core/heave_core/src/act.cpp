@@ -158,10 +158,8 @@ void leave(const Acting &on) {
     else sent.payout = asked.payout, sent.rate = asked.rate, sent.brake = asked.brake;
     const bool is_same = sent.payout == asked.payout && sent.rate == asked.rate && (sent.brake != 0.0) == (asked.brake != 0.0);
     done.is_replaced = on.envelope && !is_same;
-    const TensionState &tension = on.state->tension;
-    const bool is_half = std::abs(tension.travel) >= tension.required + 0.5 * tension.bound;
     done.load_news = watch_load(*on.load, *on.load_state, on.seen->tension, on.seen->static_tension, on.seen->at_limit != 0.0) |
-                     watch_travel(*on.load, *on.load_state, on.seen->holds_tension != 0.0 && is_half, on.command->at_travel != 0.0);
+                     watch_travel(*on.load, *on.load_state, on.command->half_travelled != 0.0, on.command->at_travel != 0.0);
     if (done.is_replaced != 0.0) take_sent(on);
     send_place(on);
     note_kpi(on);

@@ -97,6 +97,7 @@ int ask_tension(const Commanded &on, const Problem &problem, TensionState &state
     const double correction = share * with_tip.correction + (1.0 - share) * alone.correction;
     const double bounded = bound_travel(law, state, correction, dot(n, law.outlet, x) + problem.payout);
     command.at_travel = bounded != correction;
+    command.half_travelled = std::abs(state.travel) >= state.required + 0.5 * state.bound;
     command.asked = dot(n, law.standing, x) + share * with_tip.tip + (1.0 - share) * alone.tip + bounded;
     return 0;
 }

@@ -114,7 +114,6 @@ class WinchController(ControllerEvents):
             Tick(
                 loop,
                 decision,
-                holds_tension=self.mode is Mode.CONSTANT_TENSION,
                 static_tension=static_tension,
                 is_at_limit=winch is not None and bool(winch.limits_hit & DYNAMIC_LIMITS),
                 stated_payout=self._estimation.stated_payout,

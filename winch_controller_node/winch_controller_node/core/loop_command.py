@@ -10,7 +10,7 @@ from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
-from heave_core.law import Acting, Commander, put
+from heave_core.law import Acting, Commander, Place, put
 from heave_core.law_table import COMMAND, COMMAND_STATE, Asks, Shaped, Way
 from heave_core.library import new
 from heave_node.interface.preview import HeavePreview
@@ -18,7 +18,6 @@ from heave_node.interface.preview import HeavePreview
 from winch_controller_node.core.envelope import OrderEnvelope
 from winch_controller_node.core.estimation.loop_tick import MOTIONS_IN_TICK, CommandShares, LoopTick
 from winch_controller_node.core.estimation.observation import EncoderGate
-from winch_controller_node.core.place_of_orders import PlaceOfOrders
 from winch_controller_node.core.supervision.modes import SETTLING_LIMIT, Mode
 from winch_controller_node.core.supervision.rolling_kpi import KpiWindow
 from winch_controller_node.core.supervision.supervisor import Decision
@@ -66,6 +65,12 @@ ASKED, VALUE, STANDING, COMPENSATING, MEAN = (
     [row.name for row in COMMAND.rows].index(name) for name in ("asked", "value", "standing", "compensating", "mean")
 )
 """Places in the core's command."""
+
+LEAK = 60.0
+"""Time constant with which the place of a speed is drawn to the drum [s]: far slower than the waves."""
+
+REACH = 2.0
+"""Furthest that it leads the drum [m]: one second at the largest speed of a winch."""
 
 ENVELOPE = "envelope"
 """Name of the bound on what leaves."""
@@ -148,7 +153,6 @@ class Tick(NamedTuple):
     ----------
     loop : what is known of it
     decision : what is to be done
-    holds_tension : the mode is now constant tension
     static_tension : under the hanging unit at rest [N]
     is_at_limit : a limit of the winch that a sea takes it to acts
     stated_payout : payout that was read before it is known to be the mean one [m]; NaN: it is known
@@ -157,7 +161,6 @@ class Tick(NamedTuple):
 
     loop: LoopTick
     decision: Decision
-    holds_tension: bool
     static_tension: float
     is_at_limit: bool
     stated_payout: float
@@ -182,7 +185,7 @@ class LoopCommand:
         self._numbers = self._command.view(np.float64)
         self._elsewhere: LawCommand | None = None
         self._beside, self._acting = beside, Acting()
-        place = PlaceOfOrders(design.tick_period).record
+        place = Place(LEAK, REACH).record
         others = {**beside.envelope.records, **beside.kpi.records, **beside.load.records}
         self._acting.take(motion=beside.motion.record, place=place, **others)
         self._tension = ConstantTension(self._state["tension"])
@@ -293,7 +296,7 @@ class LoopCommand:
         mode = decision.mode
         return (
             *(self._way(decision), mode.authority, mode.mode is Mode.COMPENSATING, mode.mode is Mode.FADE_OUT),
-            *(tick.holds_tension, mode.brake, decision.is_damped, decision.bounds_tension, decision.unit_stands),
+            *(mode.brake, decision.is_damped, decision.bounds_tension, decision.unit_stands),
             *(loop.knows_tip, loop.has_depth, loop.sees_landing, "mru" not in loop.lost, loop.mru_rate),
             *(loop.tension, loop.filtered_tension, tick.static_tension, tick.is_at_limit, tick.stated_payout),
             *(encoder.scale, encoder.offset),

@@ -102,12 +102,6 @@ class ConstantTension:
         travel["required"] = change / self._cable.stiffness
         put(self._memory, {"target": tension, "slope": change / self._parameters.ramp_time, **travel})
 
-    @property
-    def is_half_travelled(self) -> bool:
-        """Tell whether half of the bound on travel has been used."""
-        memory = self._memory[0]
-        return bool(abs(memory["travel"]) >= memory["required"] + 0.5 * memory["bound"])
-
     def begin_alone(self, payout: float) -> None:
         """Let tension and drum lead alone from the next tick on, on the wire that is out at a `payout` [m]."""
         alone = TensionAlone(

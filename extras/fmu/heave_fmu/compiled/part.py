@@ -14,15 +14,14 @@ import numpy as np
 from cable_sim_node.conversions import WINCH_COMMAND
 from heave_bringup.errors import CommandError
 from heave_core.envelope_table import Duty
-from heave_core.law import LoopNow
+from heave_core.law import LoopNow, Place
 from heave_core.law_table import COMMAND_STATE, Way
 from heave_core.library import READING_NAMES, Envelope, new
 from heave_node.interface import topics
 from heave_node.interface.sensors import DEPTH, MRU, Water, WireReading
 from winch_controller_node.core.envelope import nominal_design
 from winch_controller_node.core.estimation.sense_design import tick_of
-from winch_controller_node.core.loop_command import commander
-from winch_controller_node.core.place_of_orders import PlaceOfOrders
+from winch_controller_node.core.loop_command import LEAK, REACH, commander
 from winch_controller_node.design.design import ControllerDesign, design_controller
 from winch_controller_node.interface.sensors import LEVER_ARM_X, LEVER_ARM_Y, MRU_SCALE
 from winch_controller_node.laws.state_feedback import StateFeedback
@@ -113,7 +112,7 @@ class FixedControllerPart(Part):
         self._free_unit = SimulatedUnit(self.taut_cable, dt)
         self._command, self._authority, self._depth_zero = 0.0, 0.0, math.nan
         self.envelope, self._seen = Envelope(self.nominal), NOTHING_SEEN
-        self._place = PlaceOfOrders(dt)
+        self._place = Place(LEAK, REACH)
 
     def step(self, tick: int) -> list[str]:
         """See Part."""
@@ -139,7 +138,7 @@ class FixedControllerPart(Part):
             self._command += (order.rate - sent) * controller.winch.gain_at(order.rate - sent)
         is_braked = bool(order.brake)
         speed = order.rate + (0.0 if is_braked else gain * (order.payout - made.payout))
-        at_end = self._place.at_end(speed, float(self._rows.payout @ estimate), is_braked=is_braked)
+        at_end = self._place.at_end(dt, speed, float(self._rows.payout @ estimate), is_braked=is_braked)
         held = 0.0 if is_braked else gain * (order.payout - at_end)
         # the mean payout is that of the start, 0
         self.send(topics.WINCH_COMMAND, tick, (tick, at_end, order.rate + held, is_braked, 0.0))

@@ -11,7 +11,7 @@ from heave_core.library import dtype_of, fill, new
 from heave_node.numerics.arrays import Array
 from heave_node.numerics.constants import ATMOSPHERIC_PRESSURE
 from winch_controller_node.core.estimation.sense_design import ON_TICK
-from winch_controller_node.core.place_of_orders import LEAK, REACH
+from winch_controller_node.core.loop_command import LEAK, REACH
 from winch_controller_node.laws.parts.governor import drum_ahead
 from winch_controller_node.model.estimator import row_with_differences
 from winch_controller_node.model.loop_rows import loop_rows
