@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import socket
 import threading
+from abc import ABC, abstractmethod
 from collections.abc import Callable
 
 import serial
@@ -21,7 +22,7 @@ _UNFORESEEN = "What came was not used; the link is opened again"
 _GONE = "the port is gone: its cable was pulled, or another program reads it. It is opened again"
 
 
-class LinkThread:
+class LinkThread(ABC):
     """Opens a link, serves it until it breaks, and opens it again; nothing ends it in silence.
 
     Parameters
@@ -75,13 +76,13 @@ class LinkThread:
             with self._changed:
                 self._changed.wait_for(lambda: self._is_ended, REOPEN_PERIOD)
 
+    @abstractmethod
     def _serve(self) -> None:
         """Open the link and serve it to the end; raise OSError where it breaks."""
-        raise NotImplementedError
 
+    @abstractmethod
     def _leave(self) -> None:
         """Close what is open."""
-        raise NotImplementedError
 
 
 class LinkReader(LinkThread):
