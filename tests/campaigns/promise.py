@@ -28,12 +28,12 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 import pandas
 from heave_bringup.closed_loop import ClosedLoop, LoopRecord, loop_parameters
-from heave_bringup.output import print_parts
+from heave_bringup.output import make_table, print_parts
 from heave_bringup.scenarios import load_scenario
 from heave_node.interface.alarm import Alarm, alarms_in
 from heave_node.kpi import WORSE_RATIO, WORSE_WINDOW, window_ratios
 from heave_node.numerics.arrays import Array
-from heave_studies.study.sensitivity import FEWEST_CASES, influence_table, influences
+from heave_studies.study.sensitivity import FEWEST_CASES, influence_rows, influences
 from heave_studies.study.table import NOMINAL
 from heave_studies.study.workers import FAILURE
 
@@ -447,7 +447,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     sys.stdout.write(summary(found) + "\n")
     if options.draws >= FEWEST_CASES:
         ranked = influences(frame_of(draws, found), EFFICIENCY)
-        print_parts([influence_table(ranked, EFFICIENCY)])
+        print_parts([make_table(*influence_rows(ranked, EFFICIENCY), texts=["influence"])])
     return 0 if all(one.is_kept for one in found) else 1
 
 

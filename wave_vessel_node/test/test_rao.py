@@ -10,7 +10,7 @@ from wave_vessel_node.sea.realisation import WaveComponents
 from wave_vessel_node.sea.spectra import Bretschneider
 from wave_vessel_node.sources.rao_components import RaoSource
 from wave_vessel_node.vessel.course import Course
-from wave_vessel_node.vessel.fit import VesselOnCourse, boom_tip_heave_response, fit_vessel
+from wave_vessel_node.vessel.fit import VesselOnCourse, fit_vessel
 from wave_vessel_node.vessel.motion import VesselMotions, lever_arm_matrix, point_motions
 from wave_vessel_node.vessel.rao import RaoError, ResponseTable, between, encounter_frequency
 from wave_vessel_node.vessel.rao_files import (
@@ -222,6 +222,11 @@ def test_a_fit_gives_a_second_order_vessel_back():
     fit = fit_vessel(omega, true.response(omega), Bretschneider(2.0, 8.0))
     assert (fit.vessel.natural_frequency, fit.vessel.damping_ratio, fit.vessel.gain) == pytest.approx((0.9, 0.4, 1.1))
     assert fit.relative_error < 1e-6
+
+
+def boom_tip_heave_response(table, omega, heading, speed, arm):
+    """Return the heave of a point, `arm` from the reference point, per wave amplitude, by the whole table."""
+    return lever_arm_matrix(arm)[2] @ table.at(omega, np.full(omega.shape, heading), speed)
 
 
 def test_a_second_order_vessel_stands_for_the_shipped_hull_in_beam_seas():

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from wave_vessel_node.sea.spectra import WaveSpectrum
 from wave_vessel_node.vessel.motion import lever_arm_matrix
-from wave_vessel_node.vessel.rao import RaoError, ResponseTable, above_the_table, between
+from wave_vessel_node.vessel.rao import RaoError, above_the_table, between
 from wave_vessel_node.vessel.rao_files import read_rao
 from wave_vessel_node.vessel.second_order import SecondOrderVessel
 
@@ -28,23 +28,6 @@ class VesselFit:
     # sqrt(integral (|H_fit| - |H|)^2 S / integral |H|^2 S) [-]: of the amplitude, weighted with the sea
     relative_error: float
     sigma_ratio: float  # standard deviation of heave by the fit over that by the RAO, in the sea [-]
-
-
-def boom_tip_heave_response(
-    table: ResponseTable, omega: Array, heading: float, speed: float, arm: Array
-) -> NDArray[np.complex128]:
-    """Return the heave of a point of the vessel per wave amplitude, shape (n,).
-
-    Parameters
-    ----------
-    table : RAOs of the vessel
-    omega : wave frequency [rad/s], shape (n,)
-    heading : of the waves relative to the bow [rad]
-    speed : forward speed [m/s]
-    arm : the point from the vessel's reference point [m], shape (3,)
-    """
-    response = table.at(omega, np.full(omega.shape, heading), speed)
-    return np.asarray(lever_arm_matrix(arm)[2] @ response)
 
 
 @dataclass(frozen=True)

@@ -49,14 +49,16 @@ def answer(study: Study, frame: pandas.DataFrame, ask: Ask, /) -> Found:
     data = to_json(frame)
     if study.draws is not None and not study.search and len(good) >= FEWEST_CASES and figure in DEFINITION_OF:
         what = influences(frame, figure)
-        parts.append(make_table(*influence_rows(what, figure), texts=["influence"]))
-        body += ["<h2>What matters</h2>", table(*influence_rows(what, figure), texts=1, last_is_text=True)]
+        matters = influence_rows(what, figure)
+        parts.append(make_table(*matters, texts=["influence"]))
+        body += ["<h2>What matters</h2>", table(*matters, texts=1, last_is_text=True)]
         data["influences"] = {"kpi": figure, "parameters": [asdict(one) for one in what]}
         if study.draws.method == SALTELLI:
             found = sobol_indices(study.draws, frame, figure)
             cells = [[name, f"{first:.2f}", f"{total:.2f}"] for name, (first, total) in found.items()]
-            parts.append(make_table(["share of the variance", "by itself", "with all others"], cells))
-            body.append(table(["share of the variance", "by itself", "with all others"], cells, texts=1))
+            head = ["share of the variance", "by itself", "with all others"]
+            parts.append(make_table(head, cells))
+            body.append(table(head, cells, texts=1))
             data["sobol"] = found
     worst, failures = _worst(study, good, figure if study.search else MOTION)
     parts += [summary_table(frame), *left_out(frame), *worst]

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import os
 import re
-import tempfile
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from heave_bringup.scenarios import NAMES_OF_FILES, Scenario, load_scenario, write_scenario
+from heave_bringup.scenarios import NAMES_OF_FILES, write_scenario
 from heave_node.files.given_files import whole_file
 from heave_node.parameters import ParameterError
 from heave_node.scenario import parse_sections, sections_text
@@ -161,14 +160,3 @@ def write_case(reference: str, path: Path | None = None) -> tuple[Path, list[str
     title = "\n".join(line.lstrip("# ") for line in text.splitlines() if line.startswith("#"))
     write_scenario(path, sections_text(sections, title=title))
     return path, reported
-
-
-def load_case(table: Path, number: int) -> Scenario:
-    """Return the scenario of case `number` in a `table`, to be looked at: files that it names need not be there.
-
-    Raises ParameterError for a table or a case that is not there.
-    """
-    with tempfile.TemporaryDirectory(prefix="heave-") as folder:
-        file = Path(folder) / f"{table.stem}_case_{number}.yaml"
-        file.write_text(scenario_of(table, number), encoding="utf-8")
-        return load_scenario(str(file), needs_files=False)

@@ -14,9 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 import pandas
 from heave_bags.analyse import kpi_set
-from heave_bringup.output import make_table
 from heave_node.parameters import ParameterError
-from rich.table import Table
 from scipy import stats
 
 from heave_studies.study.sampling import SALTELLI, Draws, load_salib, problem
@@ -86,16 +84,6 @@ def _influence(good: pandas.DataFrame, place: str, kpi: str) -> Influence:
         float(np.median(figure[values <= low])),
         float(np.median(figure[values >= high])),
     )
-
-
-def influence_table(found: Sequence[Influence], kpi: str) -> Table:
-    """Return a row for each parameter; arguments as for `influence_rows`.
-
-    Parameters
-    ----------
-    found, kpi : see there
-    """
-    return make_table(*influence_rows(found, kpi), texts=["influence"])
 
 
 def influence_rows(found: Sequence[Influence], kpi: str) -> tuple[list[str], list[list[str]]]:
