@@ -47,18 +47,18 @@ FOLDERS = {
 
 BUDGETS = {
     "core": (4_014, 2_800),
-    "node_base": (12_335, 9_500),
-    "wave_vessel_node": (5_347, 4_400),
+    "node_base": (12_334, 9_500),
+    "wave_vessel_node": (5_330, 4_400),
     "cable_sim_node": (9_411, 8_500),
-    "winch_controller_node": (21_338, 14_000),
+    "winch_controller_node": (21_300, 14_000),
     "bags": (11_172, 7_700),
     "bringup": (8_187, 6_100),
-    "extras/devices": (7_202, 4_900),
-    "extras/studies": (13_027, 6_000),
+    "extras/devices": (7_203, 4_900),
+    "extras/studies": (13_005, 6_000),
     "extras/statics": (2_840, 1_800),
     "extras/drives": (1_784, 1_784),
     "extras/panel": (1_647, 900),
-    "extras/fmu": (2_054, 900),
+    "extras/fmu": (2_053, 900),
 }
 """Source lines that a wing may have: what it has, and what it is to come to. A wing grows only where another pays."""
 
