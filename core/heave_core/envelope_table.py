@@ -141,6 +141,7 @@ BOUNDS = structure(
     Row("stroke_span", "s", "time over which ways are formed, one beside the one before, for the acceleration"),
     Row("brake_margin", "m", "motion of the count under the brake that is allowed; a step of half of it may be a jump"),
     Row("rest_speed", "m/s", "speed below which a braked drum stands"),
+    Row("used_share", "", "of the bounds on speed and travel, up to which the controller goes"),
     Row("bound_time", "s", "time at a bound after which the envelope takes over"),
     Row("bound_window", "s", "within which that time counts"),
     Row("takeover_time", "s", "time in which the envelope's own order fades"),
@@ -359,6 +360,8 @@ ORDER = structure(
     Row("harm", "", "spread of the load cell over its limit; NaN: not judged"),
     Row("speed", "m/s", "speed that was sent"),
     Row("load_step", "N", "step of the load cell that no load makes; 0: none"),
+    Row("lowest", "m/s", "set-point down to which the controller may go next: a rate, or payout beyond the drum's [m]"),
+    Row("highest", "m/s", "set-point up to which it may go next; infinite where no bound acts"),
 )
 
 STRUCTURES = (WINCH, CABLE, BOUNDS, DESIGN, SENT, DRUM, STROKE, HELD_DRUM, MOVE, BIN, SPREAD, STATE, READINGS, ORDER)

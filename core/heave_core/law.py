@@ -40,6 +40,8 @@ class LoopNow(NamedTuple):
     is_held: bool = False
     follows_tip: bool = True
     unit_stands: bool = False
+    lowest: float = -math.inf
+    highest: float = math.inf
 
 
 class MadeCommand(NamedTuple):

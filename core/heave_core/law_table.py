@@ -79,6 +79,7 @@ class Shaped(IntFlag):
     BY_FADING = 16
     BY_HIGHEST_TENSION = 32
     BY_ENVELOPE = 64
+    BY_BOUNDS = 128
 
 
 class Moved(IntFlag):
@@ -203,6 +204,8 @@ WANTED = structure(
     Row("tension", "N", "expected at the top"),
     Row("least", "m/s", "least speed of a fade-out; NaN: any"),
     Row("most", "m/s", "largest speed of a fade-out"),
+    Row("lowest", "m/s", "set-point down to which the envelope lets pass; of a first-order winch about the drum [m]"),
+    Row("highest", "m/s", "set-point up to which it does"),
 )
 
 GOVERNED = structure(
@@ -348,6 +351,8 @@ LOOP = structure(
     Row("is_held", "", "1: it waits for a sensor"),
     Row("follows_tip", "", "1: the motion of the boom tip is known"),
     Row("unit_stands", "", "1: the unit stands on the bottom"),
+    Row("lowest", "m/s", "set-point down to which the envelope lets pass; of a first-order winch about the drum [m]"),
+    Row("highest", "m/s", "set-point up to which it does"),
     Row("estimate", "", "state without the mean payout's own motion", shape=(STATES,)),
     Row("mean_state", "", "state that the mean payout alone brings about", shape=(STATES,)),
 )

@@ -226,6 +226,8 @@ class EnvelopeOrder(NamedTuple):
     harm: float
     speed: float
     load_step: float
+    lowest: float
+    highest: float
 
 
 def fill(record: Any, values: Mapping[str, Any]) -> None:

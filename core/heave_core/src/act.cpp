@@ -39,6 +39,8 @@ void fill_loop(const Acting &on) {
     loop.bounds_tension = seen.bounds_tension, loop.fades = seen.fades;
     loop.is_held = seen.is_damped != 0.0 && !knows_tip;
     loop.follows_tip = seen.follows_tip, loop.unit_stands = seen.unit_stands;
+    const bool is_bounded = on.envelope && on.order->lowest < on.order->highest;  // by the envelope's last tick
+    loop.lowest = is_bounded ? on.order->lowest : -ANY, loop.highest = is_bounded ? on.order->highest : ANY;
 }
 
 // The set-points of the command. A servo on its brake is asked for no speed; the model's command counts what the winch's

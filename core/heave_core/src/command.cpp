@@ -110,6 +110,7 @@ void govern_command(const Commanded &on, const Problem &problem, CommandState &s
     wanted.command = command.asked + problem.command;
     wanted.payout = command.payout, wanted.rate = command.rate;
     wanted.tension = std::isfinite(on.loop.tension) ? on.loop.tension : problem.static_tension;
+    wanted.lowest = on.loop.lowest, wanted.highest = on.loop.highest;
     bound_fade(on, state, wanted);
     const Governed governed = govern(on.winch, wanted);
     const double less = beyond(on, state, governed.sent);

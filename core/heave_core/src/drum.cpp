@@ -80,14 +80,21 @@ double speed_of(const Winch &winch, double payout, double rate, double ahead) {
     return winch.gain * (wanted < 0.0 ? winch.hauling_gain : 1.0) * wanted + winch.creep;
 }
 
-// The set-points that ask for a speed [m/s]: the rate of a speed servo, the payout of a first-order winch.
+// The set-point that asks for a speed: a rate of a speed servo [m/s], a payout beyond the drum's of a first-order winch [m].
+double set_point_of(const Winch &winch, double speed) {
+    if (winch.is_first_order) return speed * winch.lag;
+    const double wanted = (speed - winch.creep) / winch.gain;
+    return wanted < 0.0 ? wanted / winch.hauling_gain : wanted;
+}
+
+// The set-points that ask for a speed [m/s], `ahead` being the drum's payout then.
 void set_speed(const Winch &winch, double speed, double ahead, double &payout, double &rate) {
+    const double set_point = set_point_of(winch, speed);
     if (winch.is_first_order) {
-        payout = ahead + speed * winch.lag;
+        payout = ahead + set_point;
         return;
     }
-    const double wanted = (speed - winch.creep) / winch.gain;
-    rate = wanted < 0.0 ? wanted / winch.hauling_gain : wanted;
+    rate = set_point;
     if (!(winch.position_gain > 0.0)) return;
     const double held = winch.position_gain * (payout - ahead);
     if (std::abs(held) > winch.reach) payout = ahead;  // a payout that no rate makes up for

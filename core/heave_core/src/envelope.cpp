@@ -25,17 +25,18 @@ double order_for(const Design &design, double reached, double now) {
     return now + (reached - now) / -std::expm1(-design.envelope.bound_time / design.winch.lag);
 }
 
+// The bounds of a tick, of which an order may use a share.
 Limits limits_of(const Design &design, const State &state, const Readings &readings, const Ship &ship, double share,
-                 double move) {
+                 double move, double used = 1.0) {
     const Bounds &bounds = design.envelope;
     const bool has_count = state.count_age <= bounds.count_time, has_mru = state.mru_age <= bounds.mru_time;
     const double early = 1.0 + (bounds.early_factor - 1.0) * (1.0 - ship.filling);
     const double trails = 1.0 + (bounds.early_factor - 1.0) * state.limited;  // a drive that was at its limit
     const double lost = has_count && has_mru ? 1.0 : bounds.lost_factor;
     const double swing = state.lead / std::sqrt(std::max(design.cable.inertia, 1.0));  // at the load's own frequency
-    const double rate = share * (bounds.rate_factor * (early * lost) * ship.rate + swing) + bounds.rate_margin;
+    const double rate = used * (share * (bounds.rate_factor * (early * lost) * ship.rate + swing) + bounds.rate_margin);
     const double way = bounds.travel_factor * (std::max(early, trails) * lost) * ship.heave;
-    const double travel = way + bounds.travel_margin + state.allowance + state.lead;
+    const double travel = used * (way + bounds.travel_margin + state.allowance + state.lead);
     const double lag = design.winch.delay + design.winch.lag, now = state.drum.rate - move;
     double out = (travel - state.travel_sent) / lag, in = (travel + state.travel_sent) / lag;
     if (has_count) {
@@ -269,6 +270,10 @@ void envelope(const Design &design, State &state, const Readings &readings, Orde
     order.travel_sent = state.travel_sent, order.travel_count = state.travel_count;
     order.residual = state.residual, order.residual_limit = bounds.drum_margin + bounds.drum_share * state.drum_travel;
     order.speed = state.last_speed;
+    const bool is_bounded = state.phase == FREE && !stops;
+    const Limits usable = limits_of(design, state, readings, ship, share, move, bounds.used_share);
+    order.lowest = is_bounded ? set_point_of(design.winch, move + usable.lower) : -ANY;
+    order.highest = is_bounded ? set_point_of(design.winch, move + usable.upper) : ANY;
 }
 
 }  // namespace heave

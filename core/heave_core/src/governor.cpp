@@ -59,11 +59,17 @@ void bound_range(const ActiveWinch &winch, double payout, double rate, Governed 
     bound(governed, -speed(up), speed(down), BY_RANGE);
 }
 
+// Speed that a set-point asks for [m/s]
+double speed_by(const ActiveWinch &winch, double set_point) {
+    return winch.creep + gain_at(winch, winch.creep + set_point) * set_point;
+}
+
 // A first-order winch u' = K (u_0 - u) is ordered a payout no further off than its speed takes it: V / K.
 Governed govern_payout(const ActiveWinch &winch, const Wanted &wanted) {
     Governed governed{wanted.command, 0.0, 0.0};
     const double step = speed_under(winch, wanted.tension) / winch.position_rate;
     bound(governed, winch.lowest, winch.highest, BY_RANGE);
+    bound(governed, wanted.payout + wanted.lowest, wanted.payout + wanted.highest, BY_BOUNDS);
     bound(governed, wanted.payout - step, wanted.payout + step, BY_SPEED);
     governed.sent = governed.value;
     return governed;
@@ -80,11 +86,14 @@ Governed govern(const ActiveWinch &winch, const Wanted &wanted) {
     Governed governed{wanted.command - taken, 0.0, 0.0};
     bound_speed(winch, speed_under(winch, wanted.tension), rate, governed);
     bound_range(winch, wanted.payout, rate, governed);
+    const double lowest = speed_by(winch, wanted.lowest), highest = speed_by(winch, wanted.highest);
+    bound(governed, lowest, highest, BY_BOUNDS);
     bound(governed, rate - step, rate + step, BY_ACCELERATION);
     if (fades) bound(governed, wanted.least, wanted.most, BY_FADING);
     const double reach = winch.reach * winch.speed, more = winch.acceleration * (winch.lag + dt);
     double sent = clip(limited_set_point(winch, governed.value, rate), -reach, reach);
     if (fades) sent = clip(sent, wanted.least - more, wanted.most + more);
+    sent = clip(sent, lowest, highest);
     governed.value += taken;
     governed.sent = (sent - winch.creep) / gain_at(winch, sent) + taken;
     return governed;

@@ -9,7 +9,7 @@
 
 namespace heave {
 
-constexpr double NOT_KNOWN = std::numeric_limits<double>::quiet_NaN();
+constexpr double NOT_KNOWN = std::numeric_limits<double>::quiet_NaN(), ANY = std::numeric_limits<double>::infinity();
 
 inline double clip(double value, double lower, double upper) { return std::min(std::max(value, lower), upper); }
 
@@ -35,6 +35,7 @@ void rest_drum(State &state);
 void watch_brake(const Design &design, State &state, const Readings &readings, bool is_braked);
 double payout_ahead(const Design &design, const State &state, double load);
 double speed_of(const Winch &winch, double payout, double rate, double ahead);
+double set_point_of(const Winch &winch, double speed);
 void set_speed(const Winch &winch, double speed, double ahead, double &payout, double &rate);
 
 // move.cpp: the move that an operator has asked for

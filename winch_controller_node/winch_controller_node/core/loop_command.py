@@ -72,8 +72,8 @@ LEAK = 60.0
 REACH = 2.0
 """Furthest that it leads the drum [m]: one second at the largest speed of a winch."""
 
-ENVELOPE = "envelope"
-"""Name of the bound on what leaves."""
+ENVELOPE, BY_ENVELOPE = "envelope", Shaped.BY_ENVELOPE | Shaped.BY_BOUNDS
+"""Name of the bound on what leaves, and its bits: an order that it has replaced, or that was kept within it."""
 
 
 def commander(
@@ -352,6 +352,6 @@ class LoopCommand:
         if made.gives_way:
             law = law._replace(active=(*law.active, TENSION))
         shaped = int(made.shaped)
-        active = shaped_by(shaped & ~Shaped.BY_ENVELOPE, is_first_order=self._is_first_order)
-        active += (ENVELOPE,) if shaped & Shaped.BY_ENVELOPE else ()
+        active = shaped_by(shaped & ~BY_ENVELOPE, is_first_order=self._is_first_order)
+        active += (ENVELOPE,) if shaped & BY_ENVELOPE else ()
         return TickCommand(law, GovernedCommand(made.value, active, made.sent), made.standing)

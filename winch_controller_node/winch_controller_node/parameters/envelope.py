@@ -57,6 +57,8 @@ class EnvelopeParameters:
     brake_margin: float = parameter(0.025, "m", 0.002, 10.0,
         "Motion of the count under the brake that is a slip; a single step of half of it is a jump.")  # fmt: skip
     rest_speed: float = parameter(0.02, "m/s", 1e-4, 1.0, "Speed below which a braked drum counts as at rest.")
+    used_share: float = parameter(0.9, "", 0.1, 1.0,
+        "Share of the bounds on speed and travel within which the controller keeps its own orders.")  # fmt: skip
     bound_time: float = parameter(0.5, "s", 0.05, 60.0, "Time at a bound after which the envelope takes over.")
     bound_window: float = parameter(12.0, "s", 1.0, 600.0, "Time within which that counts.")
     takeover_time: float = parameter(10.0, "s", 0.5, 600.0,

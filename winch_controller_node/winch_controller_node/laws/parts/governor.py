@@ -102,7 +102,7 @@ class CommandGovernor:
         tension : expected at the top, for the power limit [N]
         within : least and largest speed of a speed servo, whatever its predicted state [m/s]; NaN: any
         """
-        value, sent, shaped = self._governor.step((wanted, payout, rate, tension, *within))
+        value, sent, shaped = self._governor.step((wanted, payout, rate, tension, *within, -math.inf, math.inf))
         return GovernedCommand(value, shaped_by(int(shaped), is_first_order=self._is_first_order), sent)
 
 
