@@ -192,6 +192,7 @@ PROBLEM = structure(
     Row("measured_tension", "N", "low-passed reading of the load cell"),
     Row("mru_rate", "m/s", "heave rate as it was read, times the authority"),
     Row("bounds_tension", "", "1: the highest tension is to be kept"),
+    Row("speed", "m/s", "largest about the mean payout that the envelope lets pass; infinite where none is known"),
     Row("x", "", "state of the compensation problem", shape=(STATES,)),
 )
 

@@ -130,6 +130,8 @@ void pose_problem(const Commanded &on, Problem &problem, Command &command) {
     problem.command = loop.mean_command;
     problem.static_tension = on.winch.static_tension, problem.measured_tension = loop.filtered_tension;
     problem.mru_rate = loop.mru_rate, problem.bounds_tension = loop.bounds_tension;
+    const double out = speed_by(on.winch, loop.highest) - problem.rate, in = problem.rate - speed_by(on.winch, loop.lowest);
+    problem.speed = on.winch.is_first_order ? ANY : std::max(out, in);
     shift_state(design, loop, problem.x);
     command = Command{};
     command.payout = problem.payout + dot(n, design.payout_ahead, loop.estimate);

@@ -15,6 +15,11 @@ double gain_at(const ActiveWinch &winch, double speed) {
     return speed >= winch.creep ? winch.gain : winch.gain * winch.hauling_gain;
 }
 
+// Speed that a set-point asks for [m/s]
+double speed_by(const ActiveWinch &winch, double set_point) {
+    return winch.creep + gain_at(winch, winch.creep + set_point) * set_point;
+}
+
 namespace {
 
 // The set-point that makes the limited servo gain in a tick what the linear one gains under `value`, from `rate`. A limited
@@ -57,11 +62,6 @@ void bound_range(const ActiveWinch &winch, double payout, double rate, Governed 
         return std::copysign(approach_speed(std::abs(room), winch.acceleration, winch.lag), room);
     };
     bound(governed, -speed(up), speed(down), BY_RANGE);
-}
-
-// Speed that a set-point asks for [m/s]
-double speed_by(const ActiveWinch &winch, double set_point) {
-    return winch.creep + gain_at(winch, winch.creep + set_point) * set_point;
 }
 
 // A first-order winch u' = K (u_0 - u) is ordered a payout no further off than its speed takes it: V / K.

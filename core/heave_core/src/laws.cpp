@@ -67,7 +67,8 @@ double plan_freely(const Law &law, const double *x, LawState &state) {
 void bound_plan(const ActiveWinch &winch, const Law &law, const Problem &problem, LawState &state) {
     const int *ends = law.ends, rows = ends[PLAN_KINDS - 1];
     const double swing = plan_freely(law, problem.x, state);
-    const double limited = std::isfinite(winch.power) ? speed_under(winch, problem.static_tension + swing) : winch.speed;
+    const double under = std::isfinite(winch.power) ? speed_under(winch, problem.static_tension + swing) : winch.speed;
+    const double limited = std::min(under, problem.speed);
     const double taken = acceleration_taken(winch, problem), reach = winch.reach * limited;
     const double asked = problem.command - winch.position_gain * problem.payout, fixed = problem.static_tension;
     const double none = std::numeric_limits<double>::infinity(), most = problem.bounds_tension ? winch.most_tension : none;
@@ -117,7 +118,7 @@ void ask_constrained(const ActiveWinch &winch, const Law &law, const Problem &pr
 }
 
 void ask_feedback(const ActiveWinch &winch, const Law &law, const Problem &problem, LawState &state) {
-    const double share = unit_share(law, problem.x), largest = law.unit_share * winch.speed;
+    const double share = unit_share(law, problem.x), largest = law.unit_share * std::min(winch.speed, problem.speed);
     if (law.plans && are_near(winch, law, problem.x, std::abs(share) / largest, state))
         return ask_constrained(winch, law, problem, state);
     state.command = -dot(law.states, law.gain, problem.x) - share + clip(share, -largest, largest);

@@ -8,6 +8,7 @@ namespace heave {
 // governor.cpp: what the winch can do
 double speed_under(const ActiveWinch &winch, double tension);
 double gain_at(const ActiveWinch &winch, double speed);
+double speed_by(const ActiveWinch &winch, double set_point);
 Governed govern(const ActiveWinch &winch, const Wanted &wanted);
 
 // laws.cpp

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any, Protocol
 
 from heave_core.law import Law, put
@@ -122,6 +123,6 @@ class CoreLaw(ControlLaw):
 
     def _pose(self, state: LoopState) -> None:
         tensions = state.static_tension, state.measured_tension
-        self.core.pose((*state.reference, *tensions, state.mru_rate, float(state.bounds_tension)), state.x)
+        self.core.pose((*state.reference, *tensions, state.mru_rate, float(state.bounds_tension), math.inf), state.x)
         if self.planner is not None:
             self.planner.see(state.preview, state.x)
