@@ -46,6 +46,7 @@ class Seen(NamedTuple):
     mean_acceleration: float = 0.0
     drum_error: float = 0.0
     unknown: float = 0.0
+    payout: float = 0.0
 
 
 class Verdict(NamedTuple):
@@ -70,6 +71,7 @@ class Verdict(NamedTuple):
     residual: float
     by_drum: float
     measured: float
+    shown: float
 
 
 def padded(row: Array) -> Array:

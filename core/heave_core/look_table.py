@@ -253,6 +253,7 @@ SEEN = structure(
     Row("mean_acceleration", "m/s^2", "of the mean payout"),
     Row("drum_error", "m", "drum less what was predicted of it a second ago"),
     Row("unknown", "", "variance that what is not known leaves of compensated motion, over that motion's"),
+    Row("payout", "m", "estimated payout of the drum, without the mean one"),
     Row("authority", "", "of compensation now"),
     Row("target", "", "that it goes to"),
     Row("inhibits", "", "1: compensation is to be off already"),
@@ -280,6 +281,7 @@ VERDICT = structure(
     Row("residual", "", "motion that it leaves, over that with the winch locked"),
     Row("by_drum", "", "variance that the drum's errors leave of compensated motion, over that motion's"),
     Row("measured", "", "variance that the waves show to be left of it; below 0: they are not compared"),
+    Row("shown", "", "authority that unit and drum show"),
 )
 
 STRUCTURES = (

@@ -39,6 +39,18 @@ void predict_residual(const GuardDesign &design, const GuardState &state, const 
     verdict.residual = residual(verdict.best_authority, left);
 }
 
+// Under an authority A the unit moves as (1 - A) free, and the drum as A tip: the A that unit and drum are nearest to, by the
+// energy of a swing, <x, y> = x y + a x' y'. Of a unit that rests in a resonance it is 1, below a locked winch 0.
+void show_authority(const GuardDesign &design, const Seen &seen, Verdict &verdict) {
+    const auto product = [&](const Motion &one, const Motion &other) {
+        return one.heave * other.heave + design.inertia * one.rate * other.rate;
+    };
+    const Motion free{seen.free, seen.free_rate}, tip{seen.tip, seen.tip_rate}, drum{seen.payout, seen.payout_rate};
+    const Motion compensated{seen.free - seen.unit, seen.free_rate - seen.unit_rate};
+    const double whole = product(free, free) + product(tip, tip);
+    verdict.shown = whole > 0.0 ? clip((product(compensated, free) + product(drum, tip)) / whole, 0.0, 1.0) : 0.0;
+}
+
 // V by the waves that were compared.
 double measured_residual(const Seen &seen, const Verdict &verdict) {
     const double kept = square(verdict.unit_sigma / verdict.free_sigma) - square(1.0 - seen.authority);

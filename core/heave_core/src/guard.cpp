@@ -173,6 +173,7 @@ void guard(const GuardDesign &design, GuardState &state, const Seen &seen, Verdi
     check_unit(design, state, seen, swings);
     note_drum(design, state, seen);
     predict_residual(design, state, seen, verdict);
+    show_authority(design, seen, verdict);
     verdict.measured = -1.0;
     int bits = found(design, state);
     const bool inhibits = seen.inhibits != 0.0 || (bits & DISAGREE), is_full = seen.authority >= design.full_share * seen.target;

@@ -110,6 +110,11 @@ class HarmGuard:
         return self._found.best_authority
 
     @property
+    def shown_authority(self) -> float:
+        """Authority that unit and drum show, as they move."""
+        return self._found.shown
+
+    @property
     def residual(self) -> float:
         """Motion that it is predicted to leave, over that with the winch locked."""
         return self._found.residual

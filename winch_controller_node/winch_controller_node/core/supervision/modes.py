@@ -134,6 +134,7 @@ class Situation(NamedTuple):
     awaits_operator : after this harm compensation is tried again only once an operator asks for it
     resumes_after_fault : the winch has stopped for want of commands, and compensation is asked for again once they come
     envelope : why the envelope has taken over, until an operator acknowledges; empty: it has not
+    shown_authority : that unit and drum show, as they move
     """
 
     lost: str
@@ -151,6 +152,7 @@ class Situation(NamedTuple):
     awaits_operator: bool = False
     resumes_after_fault: bool = False
     envelope: str = ""
+    shown_authority: float = 0.0
 
 
 NOTHING_KNOWN = Situation(lost="", has_estimate=False, winch_fault=WinchFault.NONE, harm="", speed=0.0)
@@ -337,6 +339,12 @@ def compensate_all(view: View) -> Memory:
     return view.memory._replace(authority=view.factor)
 
 
+def compensate_as_shown(view: View) -> Memory:
+    """Begin with the share of the sea that unit and drum show: neither has to go elsewhere first."""
+    most = view.factor * view.situation.authority_limit
+    return view.memory._replace(authority=min(view.situation.shown_authority, most))
+
+
 def wait_for_operator(view: View) -> Memory:
     """Do nothing until an operator asks for it."""
     return view.memory._replace(wants_compensation=False, may_resume=False)
@@ -402,7 +410,13 @@ TABLE: tuple[Transition, ...] = (
     Transition(
         (_TENSION,), Event.ASK_COMPENSATING, _COMPENSATING, (SENSORS_WELL, NO_HARM), (want_compensation, compensate_all)
     ),
-    Transition((_FADE_OUT,), Event.ASK_COMPENSATING, _COMPENSATING, (SENSORS_WELL, NO_HARM), (want_compensation,)),
+    Transition(
+        (_FADE_OUT,),
+        Event.ASK_COMPENSATING,
+        _COMPENSATING,
+        (SENSORS_WELL, NO_HARM),
+        (want_compensation, compensate_as_shown),
+    ),
     Transition((_MANUAL,), Event.ASK_COMPENSATING, _STOPPING, (), (want_compensation, end_in_standby)),
     *_staying((_STANDBY, _COMPENSATING), Event.ASK_COMPENSATING, want_compensation),
     *_staying((_FADE_OUT, _STOPPING), Event.ASK_COMPENSATING, want_compensation, end_in_standby),
@@ -441,7 +455,7 @@ TABLE: tuple[Transition, ...] = (
     Transition((_COMPENSATING,), Event.SENSOR_LOST, _FADE_OUT, (), (end_stopped, count_loss)),
     Transition((_TENSION, _MANUAL), Event.SENSOR_LOST, _STOPPING, (), (end_stopped,)),
     Transition((_COMPENSATING,), Event.HARM, _FADE_OUT, (), (end_in_standby,)),
-    Transition((_FADE_OUT,), Event.SENSORS_BACK, _COMPENSATING, (WANTED, RESTS_STOPPED, NO_HARM)),
+    Transition((_FADE_OUT,), Event.SENSORS_BACK, _COMPENSATING, (WANTED, RESTS_STOPPED, NO_HARM), (compensate_as_shown,)),
     Transition(
         (_STANDBY,),
         Event.SETTLED,

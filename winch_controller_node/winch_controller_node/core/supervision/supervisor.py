@@ -246,6 +246,7 @@ class Supervisor:
             authority_limit=authority_limit,
             is_settled=is_settled,
             is_damped_blind=is_damped_blind,
+            shown_authority=self.guard.shown_authority,
             has_estimate=tick.has_encoder,
             winch_fault=winch.fault,
             fault_cause=winch.fault_cause,
@@ -294,6 +295,7 @@ class Supervisor:
             winch.mean_acceleration,
             winch.drum_error,
             _unknown(tick, winch),
+            tick.payout,
         )
         fades = self.modes.mode in (Mode.FADE_OUT, Mode.STOPPING)
         self.guard.update(seen, self.modes.authority if is_judged else 0.0, self.modes.target, fades=fades)
