@@ -67,6 +67,7 @@ BOUNDS = {
     "stroke_span": 0.3,
     "brake_margin": 0.03,
     "rest_speed": 0.02,
+    "used_share": 0.9,
     "bound_time": 0.5,
     "bound_window": 12.0,
     "takeover_time": 10.0,
@@ -168,7 +169,8 @@ class Rig:
             self.rate = math.copysign(max(abs(before) - 0.5 * DT, 0.0), before)
         else:
             reached = -math.expm1(-DT / self.winch["lag"])
-            wanted = min(max(sent, -self.winch["speed"]), self.winch["speed"])
+            gain = self.winch["gain"] * (self.winch["hauling_gain"] if sent < 0.0 else 1.0)
+            wanted = min(max(gain * sent + self.winch["creep"], -self.winch["speed"]), self.winch["speed"])
             self.rate = before + min(max((wanted - before) * reached, -step), step)
         self.payout += 0.5 * (before + self.rate) * DT
 
@@ -733,3 +735,24 @@ def test_orders_that_hit_a_limit_of_the_drive_do_not_widen_their_own_bounds():
     order = rig.run(0.4, 2.0, drive=DriveState.DRIVE_LIMITED)
     assert order.rate_bound == pytest.approx(bound, rel=0.05)
     assert rig.run(0.4, 2.0, drive=DriveState.DRIVE_LIMITED).cause == Cause.RATE
+
+
+@pytest.mark.parametrize("winch", [{}, {"gain": 0.8, "hauling_gain": 1.1, "creep": 0.02}, {"lag": 0.45}])
+def test_an_order_up_to_the_set_point_that_is_reported_passes_in_the_next_tick(winch):
+    """A controller that asks for ten times as much each way, kept to what was reported, is never bounded."""
+    rig, largest = Rig(winch=winch), 0.0
+    rig.run(62.0, 0.0, brake=True, duty=float(Duty.OPERATE))
+    for tick in range(2000):
+        last, wild = rig.orders[-1], 10.0 * math.sin(0.02 * tick)
+        order = rig.step(min(max(wild, last.lowest), last.highest))
+        assert not Bit(int(order.bits)) & (Bit.AT_RATE | Bit.AT_TRAVEL)
+        largest = max(largest, abs(rig.rate))
+    assert order.phase == Phase.FREE
+    assert 0.8 * order.rate_bound < largest <= order.rate_bound  # by the margin, and no less than it
+
+
+def test_nothing_is_reported_to_keep_to_while_the_envelope_makes_the_order_itself():
+    rig = Rig().settled()
+    assert math.isfinite(rig.orders[-1].lowest) and math.isfinite(rig.orders[-1].highest)
+    taken = rig.run(1.0, 4.0)
+    assert (taken.phase, taken.lowest, taken.highest) == (Phase.TAKEN, -math.inf, math.inf)

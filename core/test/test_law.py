@@ -52,8 +52,11 @@ def winch_of(**changes):
     return record
 
 
-def governed(command, payout=0.0, rate=0.0, tension=40e3, within=(math.nan, math.nan), **winch):
-    return Governor(winch_of(**winch)).step((command, payout, rate, tension, *within))
+ANY = (-math.inf, math.inf)
+
+
+def governed(command, payout=0.0, rate=0.0, tension=40e3, within=(math.nan, math.nan), passes=ANY, **winch):
+    return Governor(winch_of(**winch)).step((command, payout, rate, tension, *within, *passes))
 
 
 def test_what_python_gives_and_takes_has_the_names_of_the_tables():
@@ -101,6 +104,23 @@ def test_a_fade_out_keeps_its_speeds_whatever_is_wanted(within):
         assert int(shaped) & Shaped.BY_FADING
 
 
+@given(st.floats(-9.0, 9.0), st.floats(-SPEED, SPEED), st.floats(-0.6, 0.0), st.floats(0.01, 0.6))
+def test_no_set_point_is_sent_beyond_what_the_envelope_lets_pass(command, rate, lowest, highest):
+    winch = {"gain": 0.8, "hauling_gain": 1.2, "creep": 0.03}
+    found = governed(command, rate=rate, passes=(lowest, highest), **winch)
+    assert lowest - 1e-12 <= found[1] <= highest + 1e-12
+    plain = governed(command, rate=rate, **winch)
+    asks_more = not 0.03 + 0.96 * lowest <= command <= 0.03 + 0.8 * highest
+    assert bool(int(found[2]) & Shaped.BY_BOUNDS) == asks_more
+    if not asks_more and lowest < plain[1] < highest:
+        assert found == plain
+
+
+def test_a_payout_of_a_first_order_winch_is_sent_no_further_from_the_drum_than_the_envelope_lets_pass():
+    value, sent, shaped = governed(9.0, payout=2.0, is_first_order=1, passes=(-0.3, 0.4))
+    assert (value, sent, int(shaped)) == (2.4, 2.4, Shaped.BY_BOUNDS)
+
+
 # laws
 
 
@@ -110,8 +130,8 @@ def law_of(kind, winch=None, **values):
     return law
 
 
-def command_of(law, x, reference=(0.0, 0.0, 0.0), *, mru_rate=0.0):
-    law.pose((*reference, 40e3, math.nan, mru_rate, 1.0), x)
+def command_of(law, x, reference=(0.0, 0.0, 0.0), *, mru_rate=0.0, speed=math.inf):
+    law.pose((*reference, 40e3, math.nan, mru_rate, 1.0, speed), x)
     return law.ask(), float(law.state["command"][0])
 
 

@@ -13,7 +13,7 @@ from heave_core.filter_table import STATES
 from heave_core.library import dtype_of, library
 from heave_core.look import Guard, HangingUnit, Look, Motions, RunningSigma, Seen, Verdict, padded
 from heave_core.look_table import Harm
-from hypothesis import given
+from hypothesis import assume, given
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 from scipy.signal import cont2discrete, lfilter
@@ -316,6 +316,7 @@ SEEN = st.builds(
     st.floats(0.0, 1.0),
     mean_acceleration=NUMBERS,
     drum_error=NUMBERS,
+    payout=NUMBERS,
     unknown=st.floats(0.0, 30.0),
 )
 
@@ -419,3 +420,20 @@ def test_no_step_of_the_library_allocates():
 
     go()
     assert not allocates(go)
+
+
+motion = st.tuples(st.floats(-2.0, 2.0), st.floats(-2.0, 2.0))
+
+
+@given(motion, motion, st.floats(0.0, 1.0))
+def test_the_authority_that_is_shown_is_that_of_unit_and_drum(free, tip, authority):
+    """Of a unit at (1 - A) of its locked motion and a drum at A of the boom tip's it is A: by least squares."""
+    assume(np.hypot(*free) + np.hypot(*tip) > 0.1)
+    unit, drum = (1.0 - authority) * np.array(free), authority * np.array(tip)
+    seen = Seen(*unit, *free, *tip, payout=drum[0], payout_rate=drum[1])
+    assert a_guard().step(seen, 0.0, 1.0, inhibits=False).shown == pytest.approx(authority, abs=1e-9)
+
+
+def test_a_unit_at_rest_in_a_resonance_shows_full_authority_and_one_in_short_waves_none():
+    assert a_guard().step(Seen(free=2.0, tip=0.2), 0.0, 1.0, inhibits=False).shown > 0.98
+    assert a_guard().step(Seen(free=0.1, tip=1.0), 0.0, 1.0, inhibits=False).shown < 0.02

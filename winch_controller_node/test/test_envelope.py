@@ -8,7 +8,9 @@ import numpy as np
 import pytest
 from heave_bringup.closed_loop import ClosedLoop, loop_parameters
 from heave_bringup.scenarios import load_scenario
-from heave_core.envelope_table import Cause, Phase
+from heave_core.envelope_table import Bit, Cause, Phase
+from heave_core.law import put
+from heave_core.law_table import LawKind
 from heave_core.library import READING_NAMES
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -16,6 +18,7 @@ from winch_controller_node.core.envelope import Asked, OrderEnvelope, _alarm, no
 from winch_controller_node.core.envelope_alone import EnvelopeAlone
 from winch_controller_node.core.supervision.modes import Mode
 from winch_controller_node.interface.readings import Measurements, WinchOrder, WinchReading
+from winch_controller_node.laws.law import LawCommand
 from winch_controller_node.model.blocks import CableModel
 from winch_controller_node.motion.trajectory import MeanPayout
 from winch_controller_node.node_parameters import WinchControllerParameters
@@ -183,3 +186,20 @@ class TestAlone:
         share = WinchEnvelopeParameters().operator.speed_share * WinchEnvelopeParameters().winch.speed_limit
         assert 0.1 < max(rates) <= share + 1e-9
         assert rates[-1] < 0.5 * max(rates)
+
+
+def test_a_law_that_asks_for_twice_what_the_ship_explains_is_kept_within_it_and_nothing_is_taken_over(loop):
+    """It was taken over within half a second, and the stop left the load swinging."""
+    controller, command = loop.controller, loop.controller._command
+    put(command._core_law.core.law, {"kind": LawKind.ANOTHER_LAW})
+    begin, share = loop.tick, []
+    bound = controller.envelope.last.rate_bound
+    command._law = SimpleNamespace(
+        command=lambda _: LawCommand(2.0 * bound * math.sin(0.5 * math.pi * (loop.tick - begin) * TICK))
+    )
+    for _ in range(round(4.0 / TICK)):
+        loop.step()
+        last = controller.envelope.last
+        assert (last.phase, int(last.bits) & (Bit.AT_RATE | Bit.AT_TRAVEL)) == (Phase.FREE, 0)
+        share.append(abs(last.speed) / last.rate_bound)
+    assert max(share) == pytest.approx(0.9, abs=0.03)

@@ -472,3 +472,20 @@ def test_a_winch_that_a_person_has_stopped_does_not_begin_again_by_itself():
     modes.request("stopped")
     run(modes, 10.0 * PARAMETERS.resume_time)
     assert modes.mode is Mode.STOPPED
+
+
+@pytest.mark.parametrize(("shown", "limit", "begins"), [(0.7, 1.0, 0.7), (0.9, 0.4, 0.4), (0.0, 1.0, 0.0)])
+@pytest.mark.parametrize("is_asked", [False, True], ids=["sensor back", "operator"])
+def test_compensation_comes_back_from_a_fade_out_with_the_authority_that_unit_and_drum_show(
+    shown, limit, begins, is_asked
+):
+    modes = machine(fade_out_time=600.0, fade_in_time=600.0)
+    run(modes, 60.0)
+    before = run(modes, 3.0, situation(lost="mru frozen"))[-1]
+    back = situation(shown_authority=shown, authority_limit=limit)
+    modes.step(back)
+    if is_asked:
+        modes.request("compensating")
+    output = next(one for one in run(modes, 5.0, back) if one.mode is Mode.COMPENSATING)
+    assert (before.mode, output.before) == (Mode.FADE_OUT, Mode.FADE_OUT)
+    assert output.authority == pytest.approx(begins, abs=2.0 * DT / 600.0)

@@ -455,7 +455,9 @@ TABLE: tuple[Transition, ...] = (
     Transition((_COMPENSATING,), Event.SENSOR_LOST, _FADE_OUT, (), (end_stopped, count_loss)),
     Transition((_TENSION, _MANUAL), Event.SENSOR_LOST, _STOPPING, (), (end_stopped,)),
     Transition((_COMPENSATING,), Event.HARM, _FADE_OUT, (), (end_in_standby,)),
-    Transition((_FADE_OUT,), Event.SENSORS_BACK, _COMPENSATING, (WANTED, RESTS_STOPPED, NO_HARM), (compensate_as_shown,)),
+    Transition(
+        (_FADE_OUT,), Event.SENSORS_BACK, _COMPENSATING, (WANTED, RESTS_STOPPED, NO_HARM), (compensate_as_shown,)
+    ),
     Transition(
         (_STANDBY,),
         Event.SETTLED,
