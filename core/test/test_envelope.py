@@ -756,3 +756,15 @@ def test_nothing_is_reported_to_keep_to_while_the_envelope_makes_the_order_itsel
     assert math.isfinite(rig.orders[-1].lowest) and math.isfinite(rig.orders[-1].highest)
     taken = rig.run(1.0, 4.0)
     assert (taken.phase, taken.lowest, taken.highest) == (Phase.TAKEN, -math.inf, math.inf)
+
+
+@pytest.mark.parametrize("wild", [4.0, -4.0, math.nan])
+def test_a_take_over_begins_at_the_last_order_sent_with_the_acceleration_of_the_drive(wild):
+    """The set-point stepped by up to 2 m/s, from the bound to the boom tip's rate."""
+    rig = Rig().settled()
+    begin = len(rig.orders)
+    rig.run(12.0, wild)
+    speeds = [order.speed for order in rig.orders[begin - 1 :] if order.phase in (Phase.FREE, Phase.TAKEN)]
+    taken = [order.phase == Phase.TAKEN for order in rig.orders[begin:]].index(True)
+    assert np.max(np.abs(np.diff(speeds[taken:]))) <= WINCH["acceleration"] * DT + 1e-12
+    assert np.max(np.abs(speeds[taken + 1 :])) <= rig.orders[begin].rate_bound

@@ -175,7 +175,8 @@ double bounded(const Design &design, State &state, const Limits &limits, const A
 
 // Own order of a take-over: the asked move and the boom tip's raw rate, fading; where that did harm or must end, the
 // controller's. A load that is let go swings for minutes: the drum pays out with the stretch that the load cell shows
-// beyond its mean, v = c (F - mean F) / k, a dashpot in series with the cable.
+// beyond its mean, v = c (F - mean F) / k, a dashpot in series with the cable. It begins at the last order sent, and goes on
+// at the acceleration of the drive.
 double own_speed(const Design &design, const State &state, const Limits &limits, const Asked &asked, double move) {
     const Bounds &bounds = design.envelope;
     const double share = std::max(1.0 - state.phase_time / bounds.takeover_time, 0.0);
@@ -185,7 +186,9 @@ double own_speed(const Design &design, const State &state, const Limits &limits,
     else if (asked.is_finite && state.cause != UNSEEN) about = asked.speed - move;
     const double stretch = (state.load - state.mean_load) / design.cable.stiffness;
     const double damping = has_load(design, state) ? bounds.damping_rate * stretch : 0.0;
-    return move + clip(share * about + clip(damping, -bounds.rate_margin, bounds.rate_margin), limits.lower, limits.upper);
+    const double wanted = share * about + clip(damping, -bounds.rate_margin, bounds.rate_margin);
+    const double last = state.last_speed - move, step = design.winch.acceleration * design.tick_period;
+    return move + clip(clip(wanted, last - step, last + step), limits.lower, limits.upper);
 }
 
 }  // namespace
