@@ -4,7 +4,7 @@ import socket
 import sys
 
 import pytest
-from heave_node.ros.transport.exposure import exposed_ports
+from heave_node.ros.transport.exposure import exposed_ports, own_sockets
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="the kernel's tables of sockets are Linux's")
 
@@ -35,6 +35,13 @@ def test_a_port_on_every_interface_is(bound):
     bound("127.0.0.1", PORT)
     bound("0.0.0.0", PORT + 1)
     assert exposed_ports(DOMAIN) == [f"0.0.0.0:{PORT + 1}"]
+
+
+def test_a_port_that_a_launch_has_left_open_is_not_this_process_own(bound):
+    bound("0.0.0.0", PORT)
+    inherited = own_sockets()
+    bound("0.0.0.0", PORT + 1)
+    assert exposed_ports(DOMAIN, inherited) == [f"0.0.0.0:{PORT + 1}"]
 
 
 def test_a_multicast_group_is(bound):

@@ -383,10 +383,12 @@ class ClockMasterNode(HeaveNode):
     # Pause, step, reset --------------------------------------------------------------------------------------------
 
     def on_activate(self, state: LifecycleState) -> TransitionCallbackReturn:
-        """Resume the run where it is; `state` is the lifecycle state before."""
+        """Resume the run where it is, or wait for its nodes; `state` is the lifecycle state before."""
         result = super().on_activate(state)
         if self.has_started:
             self._resume(until=None)
+        else:
+            self._waits = MasterWaits()
         return result
 
     def on_deactivate(self, state: LifecycleState) -> TransitionCallbackReturn:

@@ -11,19 +11,21 @@ import math
 import socket
 import time
 import traceback
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import partial
 from typing import Any, ClassVar
 
 from builtin_interfaces.msg import Time
 from heave_msgs.msg import TickJoin, TickStatus
+from rclpy.client import Client
 from rclpy.clock import Clock, ClockType
 from rclpy.lifecycle import LifecycleNode, LifecycleState, TransitionCallbackReturn
 from rclpy.publisher import Publisher
 from rclpy.qos import QoSProfile
 from rclpy.qos_overriding_options import InvalidQosOverridesError, QoSOverridingOptions
 from rclpy.serialization import deserialize_message
+from rclpy.service import Service
 from rclpy.subscription import Subscription
 from rclpy.task import Future
 from rclpy.timer import Timer
@@ -106,7 +108,8 @@ class HeaveNode(LifecycleNode):
     gate : messages received, and whether those of the tick are complete
     tick, epoch : the tick and the run the node is in
     failure : why the node ended, "" while nothing went wrong; `failed_at` when [s of monotonic wall time]
-    was_ended : a signal, not an error, ended it
+    was_ended : a signal or a transition, not an error, ended it
+    has_joined : it is configured, or was about to be: it has its part of the tick protocol
     identity : of this node's process, as the others see it on each of its messages
     clocks : of the external inputs, by topic
     clock_of_run : simulated time by monotonic wall time [ns]
@@ -126,19 +129,22 @@ class HeaveNode(LifecycleNode):
         self.run: RunParameters
         self.parameters: Any
         self.run, self.parameters = read_parameters(self, self.parameters_type)
+        self.identity = own_identity(self)
+        self.finished: Future[None] = Future()
+        self._begin_unconfigured()
+
+    def _begin_unconfigured(self) -> None:
+        """Be as before the first transition: without ports, in no run."""
         in_protocol = set(self.run.participants) - set(self.run.external)
         self.gate = TickGate((), [node for node in self.after if node in in_protocol], lockstep=self.run.is_lockstep)
-        self.identity = own_identity(self)
         self.strangers = Strangers(self, self.identity)
-        self.finished: Future[None] = Future()
         self.failure, self.failed_at = "", 0.0
-        self.was_ended = False
+        self.was_ended = self.has_joined = False
         self.tick: Tick | None = None
         self.epoch = 0
-        self.has_started = False
+        self.has_started = self.is_active = False
         self.clocks: dict[str, ExternalClock] = {}
         self.clock_of_run = SimulatedClock()
-        self.is_active = False
         self.protocol_times = ProtocolTimes()
         self._ports = Ports()
         self._asked: dict[str, str] = {}
@@ -319,7 +325,11 @@ class HeaveNode(LifecycleNode):
         """Return a publisher by the way that the nodes of this run hand each other messages."""
         kind, qos = message_type(topic.type), qos_of(topic.role)
         publisher = self.create_publisher(kind, topic.name, qos, qos_overriding_options=options)
-        return publisher if self.exchange is None else self.exchange.add_publisher(topic, publisher, self.identity)
+        if self.exchange is None:
+            return publisher
+        local = self.exchange.add_publisher(topic, publisher, self.identity)
+        self._ports.local.append(local)
+        return local
 
     def _subscription(
         self, topic: Topic, on_data: Reader, qos: QoSProfile, options: QoSOverridingOptions | None = None
@@ -327,7 +337,8 @@ class HeaveNode(LifecycleNode):
         """Subscribe by the way that the nodes of this run hand each other messages."""
         name = self.resolve_topic_name(topic.name)
         if self.exchange is not None:
-            return self.exchange.subscribe(name, on_data)
+            self._ports.local.append(self.exchange.subscribe(name, on_data))
+            return self._ports.local[-1]
         callback = timed_callback(on_data)
         kind = message_type(topic.type)
         return self.create_subscription(kind, name, callback, qos, raw=True, qos_overriding_options=options)
@@ -336,10 +347,12 @@ class HeaveNode(LifecycleNode):
 
     def on_configure(self, state: LifecycleState) -> TransitionCallbackReturn:
         """Build the component and join the tick protocol; `state` is the lifecycle state before."""
+        self._before = self._entities()
         self._join = self.create_protocol_publisher(topics.TICK_JOIN)
         try:
             self._diagnostics = self.add_output(topics.DIAGNOSTICS)
             self.join_protocol()
+            self.has_joined = True
             self.on_build()
             self._refuse_unused_overrides()
             # The first line of a log looks for its caller among all modules, which takes up to a second: not in a tick.
@@ -385,6 +398,53 @@ class HeaveNode(LifecycleNode):
         """Do and publish nothing from now on; a run under way goes on. `state` is the lifecycle state before."""
         self.is_active = False
         return super().on_deactivate(state)
+
+    def on_cleanup(self, state: LifecycleState) -> TransitionCallbackReturn:
+        """Leave the run and all that was made in it; `state` is the lifecycle state before."""
+        self._leave_run("cleaned up")
+        return super().on_cleanup(state)
+
+    def on_shutdown(self, state: LifecycleState) -> TransitionCallbackReturn:
+        """Leave the run, and end; `state` is the lifecycle state before."""
+        self._leave_run("shut down")
+        self.finish()
+        return super().on_shutdown(state)
+
+    def _leave_run(self, how: str) -> None:
+        """Let go of a run: one in lockstep ends with the reason that this node was, say, cleaned up (`how`)."""
+        if not self.has_joined or self.finished.done():
+            return
+        self.is_active = False
+        self.publish_join()
+        self.was_ended, self.failure = True, f"it was {how}" if self.has_started else ""
+        self.on_exit()
+        if self.has_started:
+            self.wait_until_heard()
+        if self.exchange is not None:
+            self.exchange.leave(self._ports.local)
+        self._destroy(self._entities() - self._before)
+        self._begin_unconfigured()
+
+    def _entities(self) -> set[Any]:
+        """Return what this node has of the middleware."""
+        kinds = (self.publishers, self.subscriptions, self.clients, self.services, self.timers, self.waitables)
+        return {entity for kind in kinds for entity in kind}
+
+    def _destroy(self, entities: Iterable[Any]) -> None:
+        """Destroy `entities` of this node; those of actions last, which are made of others."""
+        by_kind = {
+            Publisher: self.destroy_publisher,
+            Subscription: self.destroy_subscription,
+            Client: self.destroy_client,
+            Service: self.destroy_service,
+            Timer: self.destroy_timer,
+        }
+        for entity in entities:
+            destroy = next((by_kind[kind] for kind in by_kind if isinstance(entity, kind)), None)
+            if destroy is not None:
+                destroy(entity)
+        for entity in set(entities) & set(self.waitables):
+            entity.destroy()
 
     @property
     def next_tick(self) -> int:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -123,3 +123,10 @@ def plain_value(value: Any) -> object:
 
 def _parameter_files(arguments: Sequence[str]) -> list[Path]:
     return [Path(arguments[i + 1]) for i, argument in enumerate(arguments[:-1]) if argument == "--params-file"]
+
+
+def launch_parameters(given: Mapping[str, str]) -> list[str | dict[str, bool]]:
+    """Return the parameter files and values of a node, later ones before earlier ones, by the arguments of a launch."""
+    files = [given["scenario"], given["params_file"]]
+    autostart = given["autostart"]
+    return [*filter(None, files), *([{"autostart": autostart == "true"}] if autostart else [])]

@@ -11,6 +11,7 @@ from functools import partial
 
 from heave_msgs.msg import TickRoster, TickStatus
 from rclpy.duration import Duration
+from rclpy.lifecycle import LifecycleState, TransitionCallbackReturn
 
 from heave_node.interface import topics
 from heave_node.ros.diagnostics import Health, Level
@@ -326,8 +327,15 @@ class ParticipantNode(HeaveNode):
             self.fail_on_error(lambda: self.on_run_ended(message))
             self.finish()
 
+    def on_activate(self, state: LifecycleState) -> TransitionCallbackReturn:
+        """Wait for the clock master from now on; `state` is the lifecycle state before."""
+        self._silence.end()
+        return super().on_activate(state)
+
     def on_idle(self) -> None:
         """End the node when the clock master has been silent for too long, and a wait for what does not come."""
+        if not self.has_joined:
+            return
         if not self.run.is_lockstep and self._is_in_tick() and self._starts[0].flush:
             self._advance()
             if self._starts and self._patience.is_over(self.missing(self._starts[0].published)):
@@ -351,7 +359,7 @@ class ParticipantNode(HeaveNode):
         In real time another process may take the place of one that was ended by a signal: there the run goes on.
         """
         is_of_run = bool(self.failure) and self.exchange is None and (self.run.is_lockstep or not self.was_ended)
-        if not is_of_run or not hasattr(self, "_join"):
+        if not is_of_run:
             return
         deadline = time.monotonic() + REPORTED_TIMEOUT
         while not self.has_started and not self._join.get_subscription_count() and time.monotonic() < deadline:

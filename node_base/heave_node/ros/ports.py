@@ -243,3 +243,4 @@ class Ports:
     inputs: list[Input] = field(default_factory=list)  # in the order in which they were added
     timings: dict[str, InputTiming] = field(default_factory=dict)  # of inputs of external nodes, by topic
     subscriptions: dict[str, Subscription[Any] | LocalSubscription] = field(default_factory=dict)  # by resolved topic
+    local: list[LocalPublisher | LocalSubscription] = field(default_factory=list)  # what it has of the exchange

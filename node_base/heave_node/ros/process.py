@@ -24,7 +24,7 @@ from heave_node.ros.release import RCLError
 from heave_node.ros.spin import IDLE_PERIOD, Spinner, spin
 from heave_node.ros.transport.environment import is_bound_to_loopback, prepare_environment
 from heave_node.ros.transport.exchange import Exchange
-from heave_node.ros.transport.exposure import exposed_ports
+from heave_node.ros.transport.exposure import exposed_ports, own_sockets
 from heave_node.ros.transport.parents_death import close_with, end_with, launcher_of
 from heave_node.ros.transport.real_time import between_looks
 from heave_node.ros.transport.watchdog import watched_end, watched_start
@@ -82,6 +82,7 @@ def _run(
     launcher = launcher_of(os.environ)
     if launcher is not None:
         end_with(launcher)  # the middleware may never come back from its start
+    inherited = own_sockets()
     try:
         notice = prepare_environment()
         with watched_start():
@@ -95,7 +96,7 @@ def _run(
     except RCLError as error:  # a keystore without this node's keys, a middleware that is not there
         names = " and ".join(node_type.name for node_type in node_types[:1])
         return _exit_with_message(f"{names}: ROS failed to start: {' '.join(str(error).split())}", EXIT_FAILED)
-    exposure = _exposure(nodes[0])
+    exposure = _exposure(nodes[0], inherited)
     if exposure:
         shut_down(nodes)
         return _exit_with_message(f"{nodes[0].name}: {exposure}", EXIT_FAILED)
@@ -152,7 +153,8 @@ def _spin_composed(nodes: Sequence[HeaveNode], exchange: Exchange) -> None:
 
 def _leave(node: HeaveNode) -> None:
     """Let a node that has finished release what it holds; an error in that, such as a full disk, is its failure."""
-    node.fail_on_error(node.on_exit)
+    if node.has_joined:
+        node.fail_on_error(node.on_exit)
 
 
 def in_namespace(namespace: str) -> list[str]:
@@ -191,16 +193,20 @@ def shut_down(nodes: Sequence[HeaveNode]) -> None:
     signal.signal(signal.SIGALRM, signal.SIG_DFL)
     signal.alarm(SHUTDOWN_TIMEOUT)
     for node in nodes:
-        node.fail_on_error(node.wait_until_heard)
+        if node.has_joined:
+            node.fail_on_error(node.wait_until_heard)
     for node in nodes:
         node.destroy_node()
     rclpy.try_shutdown()
     signal.alarm(0)
 
 
-def _exposure(node: HeaveNode) -> str:
-    """Say in one line that the transport reaches further than requested; "" where it does not."""
-    ports = exposed_ports(node.context.get_domain_id()) if is_bound_to_loopback() else []
+def _exposure(node: HeaveNode, inherited: set[str]) -> str:
+    """Say in one line that the transport reaches further than requested; "" where it does not.
+
+    Sockets that this process has `inherited` are another's.
+    """
+    ports = exposed_ports(node.context.get_domain_id(), inherited) if is_bound_to_loopback() else []
     if not ports:
         return ""
     return (

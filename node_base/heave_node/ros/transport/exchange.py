@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import time
 from collections import defaultdict, deque
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import Any
 
 from rclpy.duration import Duration
@@ -76,9 +76,10 @@ class LocalPublisher:
 
 
 class LocalSubscription:
-    """A reader's place on a topic in memory; `publishers` are those of the topic."""
+    """A `reader`'s place on a topic of this `name` in memory; `publishers` are those of the topic."""
 
-    def __init__(self, publishers: list[LocalPublisher]) -> None:
+    def __init__(self, name: str, reader: Reader, publishers: list[LocalPublisher]) -> None:
+        self.topic_name, self.reader = name, reader
         self._publishers = publishers
 
     def get_publisher_count(self) -> int:
@@ -118,7 +119,15 @@ class Exchange:
     def subscribe(self, name: str, reader: Reader) -> LocalSubscription:
         """Give every message of the topic with the resolved `name` to a `reader`."""
         self._readers[name].append(reader)
-        return LocalSubscription(self._publishers[name])
+        return LocalSubscription(name, reader, self._publishers[name])
+
+    def leave(self, members: Iterable[LocalPublisher | LocalSubscription]) -> None:
+        """Let go of `members`, publishers and subscriptions of a node that leaves."""
+        for member in members:
+            if isinstance(member, LocalPublisher):
+                self._publishers[member.topic_name].remove(member)
+            else:
+                self._readers[member.topic_name].remove(member.reader)
 
     def _enqueue(self, readers: list[Reader], data: bytes) -> None:
         self._queue.append((readers, data, time.time_ns()))

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import ipaddress
 import sys
+from collections.abc import Collection
 from contextlib import suppress
 from pathlib import Path
 
@@ -16,12 +17,17 @@ PORTS_PER_DOMAIN = 250
 """Ports of a ROS domain d, FIRST_PORT + PORTS_PER_DOMAIN d and up: DDSI-RTPS 2.5, section 9.6.2 (PB, DG)."""
 
 
-def exposed_ports(domain: int) -> list[str]:
+def exposed_ports(domain: int, inherited: Collection[str] = ()) -> list[str]:
     """Return this process's UDP ports of a ROS domain that are not bound to loopback, as ADDRESS:PORT, sorted.
 
     Empty where the kernel does not tell (other systems than Linux).
+
+    Parameters
+    ----------
+    domain : number of the ROS domain
+    inherited : sockets of the process that started this one, which a launch with nodes of its own leaves open in it
     """
-    own = _own_sockets()
+    own = own_sockets() - set(inherited)
     first = FIRST_PORT + PORTS_PER_DOMAIN * domain
     return sorted(
         f"{address}:{port}"
@@ -30,8 +36,8 @@ def exposed_ports(domain: int) -> list[str]:
     )
 
 
-def _own_sockets() -> set[str]:
-    """Return the inodes of this process's sockets."""
+def own_sockets() -> set[str]:
+    """Return the inodes of the sockets that this process has open."""
     own = set()
     for descriptor in _files_in(Path("/proc/self/fd")):
         with suppress(OSError):  # closed meanwhile
