@@ -81,6 +81,7 @@ class Monitor:
     Parameters
     ----------
     namespace : of the run; "" for none
+    is_open_loop : see LiveFigures
 
     Attributes
     ----------
@@ -90,12 +91,12 @@ class Monitor:
     strangers : what they said of processes that publish where only others may, in order
     """
 
-    def __init__(self, namespace: str = "") -> None:
+    def __init__(self, namespace: str = "", *, is_open_loop: bool = False) -> None:
         # the command must end the nodes in order
         self._node = node_beside("heave_command", namespace)
         self.status: TickStatus | None = None
         self.kpi: CompensationKpi | None = None
-        self.live = LiveFigures()
+        self.live = LiveFigures(is_open_loop=is_open_loop)
         self.alarms: list[str] = []
         self._news: list[str] = []
         self.strangers: dict[str, None] = {}
