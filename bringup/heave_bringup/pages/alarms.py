@@ -47,7 +47,7 @@ RETURNS = (
     ),
     (
         '"encoder frozen"',
-        "automatically, after the same times, once its reading changes; at rest it may not change",
+        "automatically, after the same times, once the count changes, or on request",
         "check that the drum turns; restart the encoder, then request compensation",
     ),
     (

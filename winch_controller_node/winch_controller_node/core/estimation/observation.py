@@ -148,12 +148,16 @@ class Observer:
     def trust(self) -> None:
         """Try again what is rejected, at an operator's request; harm is detected again.
 
-        It is a frozen encoder, an excluded depth sensor, and a motion reference unit that has stepped: what it reads
-        now is its mean. One that contradicts all others must agree with them first.
+        It is an excluded depth sensor, and a motion reference unit that has stepped: what it reads now is its mean. One
+        that contradicts all others must agree with them first.
         """
-        self.encoder.trust()
         library().heave_core_restart_steps(self.state.ctypes.data)
         if self.excluded == "depth":
+            self.exclude("")
+
+    def use_encoder(self) -> None:
+        """Use an encoder again that is set aside."""
+        if self.excluded == "encoder":
             self.exclude("")
 
     def is_taken(self, measurement: int) -> bool:

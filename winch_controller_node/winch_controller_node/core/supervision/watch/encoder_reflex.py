@@ -86,6 +86,11 @@ class EncoderReflex:
         self._looks, self._aside_time = 0, 0.0
 
     @property
+    def named(self) -> Alarm | None:
+        """Which of drive and encoder was found at fault; None: neither."""
+        return self._verdict
+
+    @property
     def is_separated(self) -> bool:
         """Tell whether drive or encoder has been named."""
         return self._verdict is not None
