@@ -30,7 +30,7 @@ from winch_controller_node.core.estimation.sensor_health import CONTRADICTS, Sen
 from winch_controller_node.design.design import ControllerDesign
 from winch_controller_node.interface.alarms import ALARMS
 from winch_controller_node.interface.readings import SensorState
-from winch_controller_node.interface.sensors import KNOWN_SENSORS, MeasurementRow
+from winch_controller_node.interface.sensors import KNOWN_SENSORS, MEASURED_WORDS, MeasurementRow
 from winch_controller_node.model.estimator import KalmanEstimator, Measurement
 
 HEAVE_ALONE = "heave alone: it measures no rate"
@@ -247,7 +247,9 @@ class Observer:
         found += [self._quiet(sensor, row, place) for place, sensor, row in named if self._noises["news"][place]]
         if news & News.UNEXPLAINED:
             (name, mean), time = self.worst, float(self.state["disagree_time"][0])
-            found.append(ALARMS.alarm("SENSORS_DISAGREE", measurement=name, ratio=math.sqrt(mean), time=time))
+            found.append(
+                ALARMS.alarm("SENSORS_DISAGREE", measurement=MEASURED_WORDS[name], ratio=math.sqrt(mean), time=time)
+            )
         return tuple(found)
 
     def _fault(self, name: str, gate: SensorGate) -> Alarm:
@@ -266,14 +268,14 @@ class Observer:
         noise = self._noises[place]
         sigma, factor = float(noise["sigma"]), float(noise["factor"])
         code = f"{sensor.upper()}_NOISE_HIGH"
-        return ALARMS.alarm(code, measurement=row.name, sigma=sigma, unit=row.unit, factor=factor)
+        return ALARMS.alarm(code, measurement=MEASURED_WORDS[row.name], sigma=sigma, unit=row.unit, factor=factor)
 
     def _quiet(self, sensor: str, row: MeasurementRow, place: int) -> Alarm:
         """Return that a measurement, a `row` of a `sensor` at a `place` in the core, is quieter than nominal."""
         seen, mean = float(self._noises[place]["seen"]), float(self._noises[place]["mean"])
         return ALARMS.alarm(
             f"{sensor.upper()}_NOISE_LOW",
-            measurement=row.name,
+            measurement=MEASURED_WORDS[row.name],
             ratio=math.sqrt(mean),
             sigma=row.sigma,
             unit=row.unit,
