@@ -119,7 +119,8 @@ $(VENV)/.test-installed: $(VENV)/.installed
 	@touch $@
 
 extras: $(VENV)/.installed  ## set up, then every extra: studies, devices, statics, panel, FMUs
-	@$(PINNED) VIRTUAL_ENV=$(CURDIR)/$(VENV) $(BIN)/uv pip install --quiet --requirement pyproject.toml --extra all
+	@$(PINNED) VIRTUAL_ENV=$(CURDIR)/$(VENV) $(TELLING) "the extras" $(BIN)/uv pip install --quiet --requirement pyproject.toml --extra all
+	@echo "setup: extras installed: design, studies, devices, statics, panel, FMUs"
 
 clean:  ## remove the environment and what was built; runs/ stays
 	rm -rf $(VENV) build install log dist

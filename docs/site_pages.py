@@ -63,7 +63,6 @@ GALLERY = REPOSITORY / "docs" / "gallery"
 """Every figure of the validation, where `make gallery` has drawn them: the site shows them then."""
 LINK = re.compile(r"(!?)\[((?:[^\[\]]|\[[^\]]*\])*)\]\(([^()\s]+)\)")
 BLOCK = re.compile(r"(^ *```.*?^ *```)", re.DOTALL | re.MULTILINE)
-MERMAID = re.compile(r"^```mermaid\n(.*?)^```", re.DOTALL | re.MULTILINE)
 
 log = logging.getLogger("mkdocs.site_pages")
 
@@ -91,15 +90,8 @@ def on_page_markdown(markdown: str, page: Any, config: Any, files: Files) -> str
     origin = next((REPOSITORY / path for path, at in PAGES.items() if at == place), GUIDE / place)
     if not origin.is_file():
         return markdown  # written from the code, by the site's own places
-    # The browser would fetch a library to draw these: the site keeps their text.
-    markdown = MERMAID.sub(lambda found: _folded("The diagram, for Mermaid", found[1]), markdown)
     parts = BLOCK.split(markdown)
     return "".join(part if index % 2 else _with_links_of_site(part, origin, place) for index, part in enumerate(parts))
-
-
-def _folded(title: str, text: str) -> str:
-    inside = "\n".join(f"    {line}".rstrip() for line in f"```text\n{text}```".splitlines())
-    return f'??? note "{title}"\n\n{inside}\n'
 
 
 def _with_links_of_site(text: str, origin: Path, place: str) -> str:

@@ -11,6 +11,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
+PAGES = [ROOT / f"{name}.md" for name in ("ARCHITECTURE", "CHANGELOG", "CONTRIBUTING", "README")]
+"""Pages at the top; others there are a user's own."""
 GUIDE = sorted((ROOT / "docs" / "guide").rglob("*.md"))
 _FOUND = (path for levels in range(1, 6) for path in ROOT.glob("/".join(["[a-z]*"] * levels) + "/README.md"))
 READMES = sorted(path for path in _FOUND if "node_modules" not in path.parts)

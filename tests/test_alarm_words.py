@@ -33,6 +33,7 @@ PLACES = {
     "encoder": "virtual_winch.encoder.faults",
     "winch": "virtual_winch.faults",
 }
+FROZEN = {"kind": "freeze", "start": START, "duration": 0.0, "magnitude": 0.0}
 CONDITIONAL = re.compile(r"\bor\b|\bunless\b|\botherwise\b|\bif (?!it)")
 """Words of a consequence that leaves open what happens."""
 
@@ -51,6 +52,30 @@ def test_what_an_alarm_says_of_compensation_is_true_in_the_second_after_it(devic
     record = faulted(device, kind)
     assert any(at >= START for at, _ in record.alarms) or kind in ("spike", "jump", "delay")
     assert false_words(record) == []
+
+
+@pytest.mark.slow
+def test_a_frozen_encoder_keeps_its_alarm_until_a_request_tries_it_and_is_named_once() -> None:
+    settings = [f"virtual_winch.encoder.faults.{name}=[{value}]" for name, value in FROZEN.items()]
+    loop = ClosedLoop(loop_parameters(load_scenario("b2_calm_300", settings=settings)))
+    raised: list[str] = []
+
+    def standing(seconds: float) -> str:
+        for _ in range(round(seconds / 0.05)):
+            outputs, _ = loop.step()
+            raised.extend(alarm.code for alarm in outputs.alarms)
+        (encoder,) = [one for one in outputs.report.sensors if one.sensor == "encoder"]
+        return encoder.alarm.code if encoder.alarm else ""
+
+    controller = loop.controller
+    assert (standing(100.0), controller.mode.value) == ("ENCODER_AT_FAULT", "stopped")
+    assert raised.count("ENCODER_AT_FAULT") == 1
+    controller.ask_for_mode("standby")
+    assert (standing(5.0), controller.mode.value) == ("ENCODER_AT_FAULT", "standby")
+    assert controller.ask_for_mode("compensating").startswith(("standby", "compensating")), "it is taken at once"
+    assert standing(60.0)
+    assert controller.mode.value in ("fade_out", "stopping", "stopped"), "it was tried, and is still frozen"
+    assert raised.count("ENCODER_AT_FAULT") == 2
 
 
 def test_an_alarm_says_what_follows_in_this_run_not_what_may_follow() -> None:

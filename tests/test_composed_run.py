@@ -38,7 +38,7 @@ def test_what_is_learnt_is_told_on_the_terminal_and_in_the_report(tmp_path):
     told = [line for line in (result.stdout + result.stderr).splitlines() if "MRU_NOISE_HIGH (low)" in line]
     assert told, result.stderr
     assert told[0].startswith("t = 0.")
-    assert "noise of mru_heave is 0.05 m, 5.0 times nominal" in (folder / "report.html").read_text()
+    assert "noise of MRU heave is 0.05 m, 5.0 times the stated value" in (folder / "report.html").read_text()
 
 
 def test_a_tension_above_the_alarm_of_a_shipped_scenario_is_told_with_the_summary(tmp_path):

@@ -250,7 +250,7 @@ def test_results_make_the_page_and_those_of_the_same_commit_and_seed_are_replace
     assert shown.words == cell(1, 0).words
     assert (read.named, read.rest, read.travel, read.is_visible) == (math.inf, 2.0, 1.25, True)
     text = page(campaigns)
-    assert "| bbbbbbbbbb | 1 | 1 | 1 of 1, 100.0 % | 0 of 1, 0.0 % |" in text
+    assert "|bbbbbbbbbb|1|1|1 of 1, 100.0 %|0 of 1, 0.0 %|" in text
     assert "**travel 1.25; not named**. 0.10 MRU_STALE" in text
 
 

@@ -284,3 +284,15 @@ def test_a_long_step_of_the_setup_says_that_it_goes_on_and_ends_as_its_command_d
     step = ["sh", str(REPOSITORY / "tools/patiently.sh"), "compiling", "sh", "-c", "sleep 1.5; exit 3"]
     done = subprocess.run(step, capture_output=True, text=True, env={**os.environ, "EVERY": "1"}, check=False)
     assert (done.returncode, done.stdout) == (3, "setup: compiling, 1 s so far\n")
+
+
+def test_a_users_own_law_beside_the_packages_is_not_linted(tmp_path):
+    """It is saved where `heave run` finds it: in the working folder, which may be this one."""
+    (tmp_path / "pyproject.toml").write_text((REPOSITORY / "pyproject.toml").read_text())
+    found = {}
+    for name in ("my_law.py", "my_laws/lead.py", "bringup/heave_bringup/ours.py"):
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / name).write_text("import os,sys\nx =1")
+        command = [str(Path(sys.executable).with_name("ruff")), "check", str(tmp_path)]
+        found[name] = subprocess.run(command, capture_output=True, check=False).returncode
+    assert found == {"my_law.py": 0, "my_laws/lead.py": 0, "bringup/heave_bringup/ours.py": 1}

@@ -7,6 +7,7 @@ import pytest
 from heave_bags.errors import BagError
 from heave_bags.mcap.reader import Bag
 from heave_bags.play.tick_player import TickPlayer
+from heave_bringup.cli import main
 
 from tests.loop_runs import CALM_DURATION, recorded_messages, run_scenario
 
@@ -60,6 +61,15 @@ def test_a_bag_of_several_runs_is_refused_as_a_substitute(calm_bag, tmp_path):
     foreign = write_foreign(calm_bag, tmp_path / "foreign", twice)
     with pytest.raises(BagError, match="several runs"):
         TickPlayer(Bag(foreign), "wave_vessel", TICK)
+
+
+def test_a_bag_that_ends_before_the_run_is_refused_before_anything_starts(calm_bag, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    longer = CALM_DURATION + 10.0
+    command = ["run", "b2_calm_300", "--duration", f"{longer:g}", "--replace", f"wave_vessel=bag:{calm_bag}"]
+    assert main(command) == 2
+    assert f"it has {CALM_DURATION:g} s of wave_vessel, but the run lasts {longer:g} s" in capsys.readouterr().err
+    assert not (tmp_path / "runs").exists()
 
 
 @pytest.mark.long

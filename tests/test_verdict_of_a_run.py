@@ -25,9 +25,9 @@ def test_a_required_figure_that_is_missed_sets_the_exit_status(tmp_path):
     assert "latency" not in result.stdout, "of more than eight figures --full or heave kpi tells"
     verdict = json.loads((tmp_path / "kpi.json").read_text())["verdict"]
     assert (verdict["good"], verdict["state"]) == (False, "FAILED")
-    assert verdict["time_in_modes"]["standby"] > 0.5, "compensation never began, which is a failure of its own"
+    assert verdict["time_in_modes"]["standby"] > 0.5, "compensation never began, which so short a run is not judged by"
     missed = [entry for entry in verdict["criteria"] if not entry["met"]]
-    assert len(verdict["failures"]) == 1 + len(missed)
+    assert len(verdict["failures"]) == len(missed)
     met = {entry["kpi"]: entry["met"] for entry in verdict["criteria"]}
     assert met["missed_deadlines"]
     assert not met["unit_sigma_m"]
@@ -38,7 +38,8 @@ def test_what_a_reader_must_be_warned_of_is_told_by_a_quiet_run_and_by_the_figur
     """Worse than off is one such warning; that compensation never began is one that a few seconds have."""
     options = [*SHORT, "--json", str(tmp_path / "kpi.json")]
     result = heave("run", "b2_calm_300", "--bag", str(tmp_path / "run"), *options, "--quiet")
-    assert result.returncode == ExitStatus.VERDICT_FAILED, result.stderr
+    assert result.returncode == ExitStatus.DONE, result.stderr
+    assert "will not be judged: its figures cover" in result.stderr
     (warning,) = json.loads((tmp_path / "kpi.json").read_text())["warnings"]
     assert warning.startswith("compensation never began")
     assert f"heave: warning: {warning}\n" in result.stderr

@@ -111,6 +111,7 @@ def test_an_event_is_shown_as_one_by_its_code(shared_bag):
 def test_the_report_begins_with_what_was_run_the_verdict_and_eight_figures(shared_bag):
     (record,) = analysis.analyse([shared_bag])
     record.wanted = (Criterion("unit_sigma_m", "<=", 0.01),)
+    record.end = record.start + 60.0  # long enough to be judged
     page = report.render([record])
     head = page[page.index("<header>") : page.index("</header>")]
     head = head.replace("\N{NO-BREAK SPACE}", " ")
@@ -197,8 +198,8 @@ def test_no_line_ends_between_a_number_and_its_unit():
 
 def test_no_line_ends_within_an_option_of_a_command(made_up_bag):
     (record,) = analysis.analyse([made_up_bag()])
-    page = report.render([replace(record, is_past_transient=False)])
-    assert 'a longer <span class="option">--duration</span> or' in page
+    record.notes = ["use a longer --duration or a shorter all.transient"]
+    assert 'a longer <span class="option">--duration</span> or' in report.render([record])
 
 
 def test_a_run_that_ended_within_its_transient_shows_its_settled_innovations(made_up_bag):

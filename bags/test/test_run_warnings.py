@@ -1,7 +1,9 @@
 """What a reader of a run is warned of: harm, compensation that was not active, and what others would have done."""
 
 import math
+from dataclasses import replace
 
+import numpy as np
 import pytest
 from heave_bags.analyse import analysis, run_warnings, run_words
 from heave_bags.analyse.events import Interval
@@ -174,5 +176,16 @@ def test_why_the_load_swings_under_the_industrial_controller_is_said_with_its_na
         "cable.axial_stiffness": 15770645.9,
     }
     values = {**record.kpis(), "baseline_outlet_efficiency": at_tip, "baseline_efficiency": at_load}
-    said = headline.why_it_swings(record, values)
+    said = headline.on_industrial(record, values)
     assert ("natural period (17 s)" in said) is is_said
+
+
+@pytest.mark.parametrize("active, is_said", [(0.186, True), (1.0, False)])
+def test_a_baseline_that_lost_compensation_is_not_compared_without_a_word(record, active, is_said):
+    record.parameters["cable_sim"] = {}
+    time = np.linspace(record.start, record.end, 1001)
+    share = np.linspace(0.0, 1.0, 1001)
+    record.signals.baseline = replace(record.signals, compensating=Signal(time, (share <= active).astype(float)))
+    values = {**record.kpis(), "baseline_outlet_efficiency": 0.2, "baseline_efficiency": 0.19}
+    assert ("compensation active 19 % of the time" in headline.on_industrial(record, values)) is is_said
+    assert ("active 19 % of the time" in headline.note(record, "baseline_efficiency")) is is_said

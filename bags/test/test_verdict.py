@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from heave_bags.analyse.events import Interval
-from heave_bags.analyse.run_record import RunRecord
+from heave_bags.analyse.run_record import RecordedSea, RunRecord
 from heave_bags.analyse.run_warnings import warnings
 from heave_bags.analyse.verdict import FAILED, NO_VERDICT, PASSED, Judged, judge
 from heave_bags.signals import RunSignals, Signal
@@ -48,7 +48,7 @@ def test_a_missed_criterion_comes_first_and_shouts():
     assert verdict.state == FAILED
     assert [judged.is_met for judged in verdict.criteria] == [True, False]
     assert "0.5 cm" in verdict.lines()[1]
-    assert len(verdict.lines()) == 4
+    assert len(verdict.lines()) == 5
     assert verdict.lines()[-1] == "  Rope strength not stated: not judged (system.cable.breaking_force)"
 
 
@@ -103,6 +103,24 @@ def test_a_run_that_ended_within_its_transient_is_not_judged_but_held_to_what_is
     assert required.state == FAILED
     met = judge(short, required=[Criterion("unit_sigma_m", "<", 0.1)], moves_winch=True)
     assert met.state == NO_VERDICT
+
+
+@pytest.mark.parametrize("window, state", [(4.0, NO_VERDICT), (59.0, NO_VERDICT), (60.0, PASSED)])
+def test_a_verdict_needs_a_minute_after_the_transient(window, state):
+    short = replace(record(100.0), start=40.0, end=40.0 + window)
+    verdict = judge(short, [Criterion("unit_sigma_m", "<", 0.1)], moves_winch=True)
+    assert (verdict.state, verdict.why_not_judged == "") == (state, state == PASSED)
+    assert judge(short, required=[Criterion("unit_sigma_m", "<", 0.001)], moves_winch=True).state == FAILED
+
+
+def test_a_verdict_says_that_compensation_was_active_and_in_which_sea():
+    played = replace(record(100.0), run={"seed": "7", "replaced": "wave_vessel=bag"})
+    played.sea = RecordedSea("jonswap", 2.0, 9.0, 3)
+    lines = judge(played, [Criterion("unit_sigma_m", "<", 0.1)], moves_winch=True).lines()
+    assert lines[0] == "verdict: passed for one sea, from a bag: jonswap, Hs 2 m, Tp 9 s, seed 3"
+    assert "  Compensation active 100 % of the time (required at least 90 %): met" in lines
+    simulated = replace(played, run={"seed": "7"})
+    assert judge(simulated, [], required=[], moves_winch=True).sea == "seed 7"
 
 
 @pytest.mark.parametrize("played", ["cable_sim", "virtual_winch"])

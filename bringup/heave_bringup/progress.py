@@ -80,6 +80,7 @@ class ProgressLine:
             disable=not self._console.is_terminal,
         )
         self._task = self._display.add_task("", total=1.0)
+        self._begun_at = time.monotonic()
         self._written_at = -QUIET_PERIOD
         self._written = ""
 
@@ -110,8 +111,10 @@ class ProgressLine:
             self._display.update(self._task, description=text, completed=share or 0.0, refresh=True)
             return
         line = text if share is None else f"{_done(share)}  {text}"
-        if line != self._written and time.monotonic() - self._written_at >= QUIET_PERIOD:
-            self._written_at, self._written = time.monotonic(), line
+        now = time.monotonic()
+        is_brief = share is not None and now - self._begun_at < QUIET_PERIOD  # a share that no later line would follow
+        if line != self._written and now - self._written_at >= QUIET_PERIOD and not is_brief:
+            self._written_at, self._written = now, line
             self.tell(line)
 
     def tell(self, text: str) -> None:

@@ -8,7 +8,8 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from heave_bags.play.substitute_program import SUBSTITUTE, program
+from heave_bags.errors import BagError
+from heave_bags.play.substitute_program import SUBSTITUTE, bag_played, program
 from heave_node.extras import MissingExtraError, known_parts, load_part
 from heave_node.interface import topics
 from heave_node.interface.sensors import SENSORS
@@ -21,6 +22,8 @@ from heave_bringup.nodes import ADVISER, MASTER, NODE_BY_NAME, RECORDER
 from heave_bringup.settings import Setting
 
 if TYPE_CHECKING:
+    from heave_node.run_parameters import RunParameters
+
     from heave_bringup.scenarios import Scenario
 
 OPTION = "--replace"
@@ -52,6 +55,19 @@ class Replacements:
     def played(self) -> list[str]:
         """Nodes in whose place a bag takes part."""
         return [node for node, (module, *_) in self.programs.items() if module == SUBSTITUTE]
+
+    def check_bags(self, run: RunParameters) -> None:
+        """Refuse a bag that cannot stand in for its node in the whole of a `run`; raises ParameterError."""
+        if not self.played:
+            return
+        from heave_bags.mcap.reader import Bag  # noqa: PLC0415 (few runs need it)
+        from heave_bags.play.tick_player import player_for  # noqa: PLC0415
+
+        try:
+            for node in self.played:
+                player_for(Bag(bag_played(self.programs[node])), node, run)
+        except BagError as error:
+            raise ParameterError(f"{OPTION}: {error}") from error
 
     @property
     def entries(self) -> list[str]:

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from heave_bags.analyse.events import COMPENSATES
 from heave_bags.analyse.kpi_set import DEFINITION_OF
-from heave_bags.analyse.read_run import SHORTEST_WINDOW
 from heave_bringup.closed_loop import ClosedLoop, loop_parameters
 from heave_bringup.run.announcement import announce
 from heave_bringup.run.criteria import parse_requirement
@@ -31,17 +30,23 @@ def test_a_run_says_what_counts_before_it_starts(name: str) -> None:
 @pytest.mark.parametrize("name", SHIPPED)
 def test_a_run_that_ends_before_its_figures_count_says_so_before_it_starts_and_how_long_it_must_be(name: str) -> None:
     transient = load_scenario(name).run.transient
-    short = load_scenario(name, settings=[f"all.duration={transient + 0.5 * SHORTEST_WINDOW}"])
-    said = announce(short)
-    assert not said.is_judged
-    assert f"--duration {transient + 60.0:g}" in said.text
+    for after in (0.5, 4.0, 59.0):  # a minute is some six waves
+        said = announce(load_scenario(name, settings=[f"all.duration={transient + after}"]))
+        assert not said.is_judged
+        assert f"--duration {transient + 60.0:g}" in said.text
     assert announce(load_scenario(name, settings=[f"all.duration={transient + 60.0}"])).is_judged
 
 
 def test_a_run_in_which_commands_move_nothing_says_before_it_starts_that_it_is_not_judged() -> None:
-    said = announce(load_scenario("b2_calm_300"), played=("wave_vessel", "cable_sim", "virtual_winch"))
+    said = announce(load_scenario("b2_calm_300"), replaced=("cable_sim=bag", "virtual_winch=bag"))
     assert (said.is_judged, "cable_sim and virtual_winch" in said.text) == (False, True)
-    assert announce(load_scenario("b2_calm_300"), played=("wave_vessel",)).is_judged
+
+
+@pytest.mark.parametrize("source, words", [("=bag", "from a bag"), ("", "from another wave_vessel")])
+def test_a_sea_that_is_not_the_scenarios_is_not_given_its_seed(source: str, words: str) -> None:
+    said = announce(load_scenario("b2_calm_300"), replaced=(f"wave_vessel{source}",))
+    assert said.is_judged
+    assert (f"sea {words}" in said.text, "seed" in said.text) == (True, False)
 
 
 def test_a_criterion_of_the_command_line_is_said_once() -> None:

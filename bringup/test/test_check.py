@@ -8,6 +8,7 @@ import pytest
 from heave_bringup.external import contract
 from heave_bringup.external.check import Heard, Plan, WinchTrial, judge_topic, judge_winch
 from heave_bringup.external.contract import COMMAND, CONTRACTS, MRU, STATE
+from heave_node.cdr.definitions import schema_text
 from heave_node.interface.topics import ALL_TOPICS
 from heave_node.tick.clock_rule import ClockRule
 
@@ -119,7 +120,7 @@ def test_every_topic_that_the_loop_needs_of_a_node_stands_in_its_contract():
 
 def test_every_field_that_is_checked_is_one_of_its_message():
     for port in (COMMAND, STATE, MRU):
-        text = contract.schema_text(port.topic.type)
+        text = schema_text(port.topic.type)
         for name, largest in port.numbers:
             assert f"float64 {name}" in text
             assert math.isfinite(largest)

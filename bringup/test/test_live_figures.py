@@ -30,6 +30,14 @@ def test_the_truth_goes_before_the_estimate_also_while_the_unit_is_lowered(depth
     assert words == "compensating, load 5.00 cm rms, efficiency 90.0 %"
 
 
+def test_a_load_or_winch_from_a_bag_has_no_figures_of_this_run():
+    live = LiveFigures(is_open_loop=True)
+    live.note_mode(0.0, "compensating", "")
+    for number in range(600):
+        live.note_truth(0.1 * number, math.sin(number), 2.0 * math.sin(number), is_landed=False)
+    assert live.words(1.0, 0.5) == "compensating, open loop: load and winch as recorded"
+
+
 def test_a_move_that_has_come_to_its_end_is_no_heave():
     """The controller reports the depth once per second; the unit with the winch locked stays where it was."""
     live = LiveFigures()

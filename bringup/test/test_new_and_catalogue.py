@@ -75,6 +75,14 @@ def test_a_rope_too_weak_for_the_load_at_rest_is_named_with_one_that_carries_it(
         assert (words in capsys.readouterr().err) if words else not capsys.readouterr().err
 
 
+def test_a_mass_that_is_meant_in_tonnes_is_noted(here, capsys):
+    """8 kg of steel weigh 68 N in water; 1,510 m of 28 mm wire of 3.4 kg/m some 40 kN."""
+    assert main(["new", "light", "--mass", "8", "--density", "7850"]) == 0
+    assert "the load of 8 kg weighs 0.2 % of the rope in water: masses are in kg" in capsys.readouterr().err
+    assert main(["new", "meant", "--mass", "8000", "--density", "7850"]) == 0
+    assert "masses are in kg" not in capsys.readouterr().err
+
+
 def controller_sea(controller) -> tuple[float, float]:
     return controller.sea.significant_wave_height, controller.sea.peak_period
 

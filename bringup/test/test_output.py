@@ -65,10 +65,10 @@ def test_no_number_is_shortened_however_narrow_the_terminal(monkeypatch, columns
 def test_progress_in_a_file_is_a_line_now_and_then_and_what_was_told_stays():
     stream = io.StringIO()
     with ProgressLine(stream) as progress:
-        progress.show("reading", 0.25)
-        progress.show("reading", 0.5)
+        progress.show("starting the nodes")
+        progress.show("reading", 0.5)  # work that is done before the next line would be due
         progress.tell("an alarm [of a node]")
-    assert stream.getvalue() == " 25 % done  reading\nan alarm [of a node]\n"
+    assert stream.getvalue() == "starting the nodes\nan alarm [of a node]\n"
 
 
 def test_what_was_said_in_a_file_is_not_said_again(monkeypatch):
@@ -80,8 +80,9 @@ def test_what_was_said_in_a_file_is_not_said_again(monkeypatch):
     assert stream.getvalue() == "starting the nodes\nwaiting for cable_sim\n"
 
 
-def test_the_share_that_is_done_stands_before_what_is_going_on_and_says_of_what_it_is():
+def test_the_share_that_is_done_stands_before_what_is_going_on_and_says_of_what_it_is(monkeypatch):
     """A controller that compensates has an authority, a share too: it must not be taken for that."""
+    monkeypatch.setattr("heave_bringup.progress.QUIET_PERIOD", 0.0)
     stream = io.StringIO()
     with ProgressLine(stream) as progress:
         progress.show("150.0 s of 600 s  compensating", 0.25)

@@ -7,7 +7,7 @@ import pytest
 import yaml
 from heave_bringup.cli import main
 from heave_bringup.nodes import ENVELOPE, NODES
-from heave_bringup.pages.parameters import all_rows, cells, matching, page, value_words
+from heave_bringup.pages.parameters import PAGE_COLUMNS, all_rows, matching, page, value_words
 from heave_node.parameters import describe
 from heave_node.system_parameters import own_name
 
@@ -78,7 +78,7 @@ def test_the_command_refuses_what_it_does_not_find_with_the_nearest_name(capsys)
 
 def test_a_bar_in_a_text_does_not_split_a_cell():
     assert all(
-        len(line.replace("\\|", "").split("|")) == len(cells(ROWS[0])) + 2
+        len(line.replace("\\|", "").split("|")) == len(PAGE_COLUMNS) + 2
         for line in page().splitlines()
         if line.startswith("|")
     )

@@ -19,6 +19,20 @@ def test_the_line_of_an_alarm_is_code_severity_state_consequence_and_action():
     assert str(TABLE.alarm("CABLE_SLACK", tension=8.0)) == "CABLE_SLACK (medium): tension 8.0 kN."
 
 
+@pytest.mark.parametrize(
+    ("value", "limit", "shown"),
+    [
+        (-0.0231, 0.0225, "-0.023 m, limit 0.022 m"),
+        (0.304, 0.3, "+0.304 m, limit 0.300 m"),
+        (0.4, 0.3, "+0.40 m, limit 0.30 m"),
+        (0.3, 0.3, "+0.30 m, limit 0.30 m"),
+    ],
+)
+def test_a_value_beyond_its_limit_is_not_shown_as_the_limit(value, limit, shown):
+    row = AlarmRow("DRUM_OFF", Severity.HIGH, "winch", "off by {by:+.2f} m, limit {limit:.2f} m")
+    assert alarm_table(row).alarm("DRUM_OFF", by=value, limit=limit).brief == f"DRUM OFF: off by {shown}"
+
+
 def test_alarms_are_read_from_the_lines_of_several():
     raised = [TABLE.alarm("MRU_STALE", age=1.0), TABLE.alarm("CABLE_SLACK", tension=2.0)]
     found = alarms_in(f"winch_controller: alarms: {'; '.join(map(str, raised))}")

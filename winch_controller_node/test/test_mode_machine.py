@@ -88,9 +88,10 @@ def test_a_frozen_encoder_is_said_to_be_good_again_only_once_its_reading_changes
     modes = machine()
     run(modes, 5.0)
     run(modes, 2.0, situation(lost="encoder frozen", speed=0.3))
-    assert modes.reason.endswith("at rest it may stay the same: then request compensation")
+    assert modes.reason.endswith("resumes automatically once the count changes, or on request")
     run(modes, 60.0, situation(lost="encoder frozen"))
     assert modes.mode is Mode.STOPPED
+    assert modes.obstacle == "", "a request tries it again"
     run(modes, 5.0)
     assert modes.mode is Mode.COMPENSATING
 

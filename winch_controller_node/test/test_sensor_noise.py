@@ -89,12 +89,12 @@ def test_sensors_that_are_believed_five_times_noisier_than_they_are_are_told_onc
     sensors = "winch_controller.sensors"
     record = run_b3(140.0, f"{sensors}.mru.noise=0.05", f"{sensors}.mru.rate_noise=0.05", f"{sensors}.depth.noise=0.1")
     told = told_quiet(record)
-    assert sorted(name for _, name in told) == ["mru_heave", "mru_heave_rate", "unit_heave"]
+    assert sorted(name for _, name in told) == ["MRU heave", "MRU heave rate", "load depth"]
     # their mean squares fall from 1 to 0.4 within half a minute (the depth sensor reads half as often), and
     # a minute more must pass
     assert all(60.0 <= time <= 120.0 for time, _ in told)
     assert record.modes[-1] == "compensating"
-    (alarm,) = [alarm for _, alarm in record.alarms if alarm.values.get("measurement") == "mru_heave"]
+    (alarm,) = [alarm for _, alarm in record.alarms if alarm.values.get("measurement") == "MRU heave"]
     assert (alarm.code, alarm.values["sigma"]) == ("MRU_NOISE_LOW", 0.05)
     assert 0.0 < float(alarm.values["seen"]) < 0.05
 

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 from heave_node.interface import topics
-from heave_node.interface.alarm import Severity, alarms_in
+from heave_node.interface.alarm import Severity, alarms_in, kind_of
 from heave_node.interface.codes import (
     ALARMS,
     COMPENSATION_LOST,
@@ -196,7 +196,7 @@ def diagnostic_alarms(diagnostics: Fields, *, has_modes: bool = False) -> list[I
                 found += [Interval(at, at + REPEATED, f"{name}: {text}", _level(text, level)) for at, text in reported]
                 continue
             is_reported_once = name.endswith(f": {ALARMS}")
-            kind = label if is_reported_once else without_figures(label)
+            kind = label if is_reported_once else f"{name}: {kind_of('' if messages is None else str(messages[row]))}"
             _, times = alarms.setdefault((kind, _level(label, level)), (label, []))
             times.append(time)
     raised = [(alarm.code, one.start) for one in found for alarm in alarms_in(one.name)]

@@ -164,7 +164,7 @@ KPI_DEFINITIONS: tuple[KpiDefinition, ...] = (
         _figure("time_at_limit_percent", "time at any winch limit", lambda w: kpi.percent_true(w.at_any_limit),
                 heading="at limit"),
         _figure("compensating_percent", "time with compensation active",
-                lambda w: kpi.percent_true(w.of(w.run.compensating).value), digits=1),
+                lambda w: w.compensating_percent, digits=1),
         _figure("time_above_half_rating_percent", "time above half of rated speed or power", lambda w: w.loaded_percent,
                 digits=1),
     ),

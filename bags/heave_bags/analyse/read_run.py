@@ -27,7 +27,7 @@ from heave_bags.analyse.reading.stored import (
     stored_title,
 )
 from heave_bags.analyse.reading.unit_height import measured_height, water_of
-from heave_bags.analyse.run_record import ESTIMATED, MEASURED, TRUE, RunRecord
+from heave_bags.analyse.run_record import ESTIMATED, MEASURED, TRUE, RecordedSea, RunRecord
 from heave_bags.errors import BagError
 from heave_bags.mcap.files import COMPLETE, SNAPSHOT
 from heave_bags.mcap.reader import Bag, Progress, no_progress
@@ -36,6 +36,7 @@ from heave_bags.signals import RunSignals, Signal
 UNIT, UNCOMPENSATED = topics.UNIT_ODOMETRY.name, topics.UNIT_UNCOMPENSATED.name
 BOOM_TIP, WINCH, LOAD_CELL = topics.BOOM_TIP.name, topics.WINCH_STATE.name, topics.LOAD_CELL.name
 MRU, PRESSURE = topics.MRU.name, topics.UNIT_PRESSURE.name
+SEA_STATE = topics.SEA_STATE.name
 CABLE, CONTROLLER, DIAGNOSTICS = topics.CABLE_STATE.name, topics.CONTROLLER_STATE.name, topics.DIAGNOSTICS.name
 
 SELECTION: dict[str, tuple[str, ...]] = {
@@ -71,6 +72,7 @@ SELECTION: dict[str, tuple[str, ...]] = {
     ),
     MRU: ("heave",),
     PRESSURE: ("fluid_pressure",),
+    SEA_STATE: ("spectrum", "significant_wave_height", "peak_period", "seed"),
     DIAGNOSTICS: ("status[].level", "status[].name", "status[].message"),
 }
 """The topics and fields that KPIs and reports are made from."""
@@ -109,7 +111,7 @@ def read_run(
     """
     bag = Bag(path)
     selection = {topic: fields for topic, fields in SELECTION.items() if bag.has(topic)}
-    if not set(selection) - {DIAGNOSTICS}:
+    if not set(selection) - {DIAGNOSTICS, SEA_STATE}:
         lost = f"; {bag.losses[0]}" if bag.losses else ""
         if lost and not bag.message_count:
             raise BagError(f"{bag.path}: nothing of a run in it can be read{lost}")
@@ -161,10 +163,22 @@ def _fill(record: RunRecord, fields: Mapping[str, Fields], parameters: NodeParam
             f"the load was moved to other depths: heave is about its running mean of {SPAN:g} s, "
             "payout about its set-point"
         )
+    record.sea = _sea(fields[SEA_STATE])
     record.alarms += events.diagnostic_alarms(fields[DIAGNOSTICS], has_modes=bool(record.modes))
     record.requests += events.operator_requests(fields[DIAGNOSTICS])
     _fill_outcome(record)
     fill_parameters(record.signals, parameters)
+
+
+def _sea(state: Fields) -> RecordedSea | None:
+    """Return the last sea that was stated; None: none was."""
+    spectra = state.texts("spectrum")
+    if spectra is None or not state.size:
+        return None
+    height, period = (state.signal(name).value for name in ("significant_wave_height", "peak_period"))
+    if not (height.size and period.size):
+        return None
+    return RecordedSea(str(spectra[-1]), float(height[-1]), float(period[-1]), int(state.codes("seed")[-1]))
 
 
 def _set_window(record: RunRecord, transient: float) -> None:

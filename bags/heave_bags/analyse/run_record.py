@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 
 from heave_node.criteria import Criterion
@@ -24,6 +24,45 @@ from heave_bags.signals import RunSignals
 
 ESTIMATED, MEASURED, TRUE = SOURCES
 """Sources of a figure: the controller's estimate, hindsight over the record, a sensor, what only a simulator knows."""
+
+
+BAG = "bag"
+"""What takes the place of a node that is played from a bag."""
+SEA = "wave_vessel"
+"""Node that makes the sea."""
+
+
+def replaced_nodes(entries: Iterable[str]) -> dict[str, str]:
+    """Return what took part in the place of which node: BAG, or "" for another program.
+
+    Parameters
+    ----------
+    entries : NODE=bag or NODE each, as the metadata of a bag have them
+    """
+    parts = (entry.partition("=") for entry in entries)
+    return {node: kind for node, _, kind in parts}
+
+
+def sea_source(replaced: Mapping[str, str], seed: object) -> str:
+    """Return which sea a run has in words: its `seed`, or where it comes from if its node is `replaced`."""
+    if SEA not in replaced:
+        return f"seed {seed}"
+    return "from a bag" if replaced[SEA] == BAG else f"from another {SEA}"
+
+
+@dataclass(frozen=True)
+class RecordedSea:
+    """The sea that its node stated in the run."""
+
+    spectrum: str  # name
+    significant_wave_height: float  # [m]
+    peak_period: float  # [s]
+    seed: int  # of the realisation
+
+    def __str__(self) -> str:
+        return (
+            f"{self.spectrum}, Hs {self.significant_wave_height:.4g} m, Tp {self.peak_period:.4g} s, seed {self.seed}"
+        )
 
 
 @dataclass
@@ -53,6 +92,7 @@ class RunRecord:
     timings: dict[str, dict[str, int]] = field(default_factory=dict)
     is_past_transient: bool = True  # the run went on after its transient; False: the figures are of its start-up
     largest_strain: float = math.nan  # of the cable in the whole run, as the plant reported it [-]; NaN: it did not
+    sea: RecordedSea | None = None  # None: not recorded
     title: str = ""  # of the lift, as the scenario states them; "": it does not
     description: str = ""  # of the lift, as the scenario states them; "": it does not
 
@@ -64,10 +104,27 @@ class RunRecord:
         return bool(law != events.OFF) if isinstance(law, str) else by_modes
 
     @property
+    def judged_time(self) -> float:
+        """How long the run went on after its transient [s]."""
+        return self.end - self.start if self.is_past_transient else 0.0
+
+    @property
     def played(self) -> list[str]:
         """Nodes in whose place a bag was played, as far as the bag says."""
-        replaced = (entry.partition("=") for entry in self.run.get("replaced", "").split())
-        return [node for node, _, kind in replaced if kind == "bag"]
+        return [node for node, kind in self.replaced.items() if kind == BAG]
+
+    @property
+    def replaced(self) -> dict[str, str]:
+        """What took part in the place of which node, as far as the bag says; see `replaced_nodes`."""
+        return replaced_nodes(self.run.get("replaced", "").split())
+
+    @property
+    def sea_run(self) -> str:
+        """Which sea was run, in words: its seed, or where it comes from; "": unknown."""
+        if SEA not in self.replaced and "seed" not in self.run:
+            return ""
+        source = sea_source(self.replaced, self.run.get("seed"))
+        return f"{source}: {self.sea}" if self.sea is not None and SEA in self.replaced else source
 
     def source_notes(self) -> list[str]:
         """Return which motions are not the truth, as on a ship, where it is unknown."""

@@ -20,7 +20,7 @@ from heave_bags.analyse.differences import changes, scheduled_faults
 from heave_bags.analyse.events import Interval
 from heave_bags.analyse.kpis.window import Window
 from heave_bags.analyse.reading.stored import cable_weight, number
-from heave_bags.analyse.run_record import RunRecord
+from heave_bags.analyse.run_record import SEA, RunRecord
 from heave_bags.analyse.run_warnings import worse_times
 
 OFTEN = 4
@@ -34,8 +34,8 @@ def facts(record: RunRecord) -> dict[str, str]:
     found = {
         "scenario": record.run.get("scenario", "") or record.name,
         "law": _law(record),
-        "sea": _sea(_of(record, "wave_vessel")),
-        "vessel": _vessel(_of(record, "wave_vessel")),
+        "sea": record.sea_run if SEA in record.replaced else _sea(_of(record, SEA)),
+        "vessel": "" if SEA in record.replaced else _vessel(_of(record, SEA)),
         "load": _load(_of(record, "cable_sim")),
         "rope": _cable(_of(record, "cable_sim")),
         "winch": _winch(_of(record, "virtual_winch")),

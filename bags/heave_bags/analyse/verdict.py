@@ -25,8 +25,8 @@ LEAST_SHARE = 0.9
 FAILED, PASSED, NO_VERDICT = "FAILED", "passed", "none"
 """Verdicts."""
 
-TOO_SHORT = "the run ended before its figures start to count; use a longer --duration or a shorter all.transient"
-"""Why a run that ended within its transient is not judged."""
+LEAST_WINDOW = 60.0
+"""A run is judged if its figures cover at least this [s]: some six waves."""
 
 MOVED_BY_COMMANDS = ("cable_sim", "virtual_winch")
 """Nodes whose figures are those of the controller under test; played from a bag, they are those of another run."""
@@ -111,7 +111,7 @@ class Verdict:
     # how the parts whose strength is stated stood under their largest load of the whole run
     loads: tuple[LoadCheck, ...] = ()
     has_rope: bool = True  # the strength of the rope is stated
-    seed: str = ""  # of the sea that was run; "": unknown
+    sea: str = ""  # that was run: its seed, or where it comes from; "": unknown
 
     @property
     def criteria(self) -> list[Judged]:
@@ -136,11 +136,15 @@ class Verdict:
             modes = ", ".join(
                 f"{mode} {100.0 * share:.0f} %" for mode, share in self.time_in_modes.items() if share > 0.005
             )
-            found.append(
-                f"Compensation active {100.0 * self.share:.0f} % of the time, {modes} (required at least "
-                f"{100.0 * LEAST_SHARE:.0f} %): FAILED"
-            )
+            found.append(self._active(f", {modes}", FAILED))
         return found
+
+    def _active(self, modes: str, state: str) -> str:
+        """Return how long compensation was active, in which `modes` the controller was, and whether that is enough."""
+        return (
+            f"Compensation active {100.0 * self.share:.0f} % of the time{modes} (required at least "
+            f"{100.0 * LEAST_SHARE:.0f} %): {state}"
+        )
 
     @property
     def failures(self) -> list[str]:
@@ -162,12 +166,13 @@ class Verdict:
             what = "only on --require" if self.criteria else NO_VERDICT
             head = f"verdict: {what}: {self.why_not_judged}"
         elif self.state == PASSED:
-            head = f"verdict: {PASSED}" + (f" for one sea, seed {self.seed}" if self.seed else "")
+            head = f"verdict: {PASSED}" + (f" for one sea, {self.sea}" if self.sea else "")
         else:
             head = "verdict: no criteria given"
         if self.alarms:
             head += f"; {self.alarms} {'error' if self.alarms == 1 else 'errors'} reported"
         met = [str(judged) for judged in self.criteria if judged.is_met]
+        met += [self._active("", "met")] if self.share >= LEAST_SHARE else []
         loads = [str(check) for check in self.loads if not check.is_failed]
         return [head, *(f"  {line}" for line in (*self.failures, *met, *loads, *self.remarks))]
 
@@ -212,7 +217,7 @@ def judge(
 
     # the start-up says nothing about the loop
     is_open_loop = open_loop(record.played)
-    why_not = is_open_loop or ("" if record.is_past_transient else TOO_SHORT)
+    why_not = is_open_loop or too_short(record.judged_time)
     return Verdict(
         held(() if why_not else wanted),
         held(required),
@@ -223,7 +228,7 @@ def judge(
         math.nan if is_open_loop else record.largest_strain,
         () if is_open_loop else record.signals.load_checks(),
         any(one.key == ROPE for one in record.signals.strengths),
-        record.run.get("seed", ""),
+        record.sea_run,
     )
 
 
@@ -234,6 +239,14 @@ def open_loop(played: Sequence[str]) -> str:
         return ""
     what = " and ".join(nodes)
     return f"open loop: the figures are those of the recorded {what}, which no command moved"
+
+
+def too_short(window: float) -> str:
+    """Return why a run whose figures cover a `window` [s] after its transient is not judged; "" where they suffice."""
+    if window > LEAST_WINDOW - 0.5:  # the record of a run may end a few samples before the run
+        return ""
+    after = f"{window:.0f} s after the transient" if window > 0.0 else "nothing after the transient"
+    return f"its figures cover {after}, a verdict needs {LEAST_WINDOW:g} s"
 
 
 def judge_loads(loads: Sequence[LoadCheck]) -> Verdict:

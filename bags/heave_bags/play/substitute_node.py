@@ -25,7 +25,7 @@ from heave_node.tick.tick import Tick
 
 from heave_bags.errors import BagError
 from heave_bags.mcap.reader import Bag
-from heave_bags.play.tick_player import TickPlayer
+from heave_bags.play.tick_player import player_for
 
 MASTER = topics.CLOCK.publisher
 
@@ -47,14 +47,10 @@ class Substitute(HeaveNode):
     def on_build(self) -> None:
         """Open the bag and make the outputs of the node."""
         bag = Bag(self.parameters.bag)
-        shift = round(self.parameters.bag_start * 1e9)
         try:
-            self.player = TickPlayer(bag, self.name, self.run.tick_nanoseconds, shift)
+            self.player = player_for(bag, self.name, self.run, self.parameters.bag_start)
         except BagError as error:
             raise NodeError(str(error)) from error
-        if self.player.last_tick < self.run.tick_count:
-            available = self.player.last_tick * self.run.tick_period
-            raise NodeError(f"{bag.path}: it has {available:g} s to play, but the run lasts {self.run.duration:g} s")
         self.played: dict[str, Output] = {}
         for name in self.player.topics:
             wanted = self.player.name_in_run(name)

@@ -16,6 +16,7 @@ from heave_node.cdr.unpacker import header_stamp
 from heave_node.interface import topics
 from heave_node.interface.topic import Role
 from heave_node.numerics.arrays import Array
+from heave_node.run_parameters import RunParameters
 from rclpy.serialization import deserialize_message
 
 from heave_bags.cdr.layouts import layouts_in_bag
@@ -148,6 +149,21 @@ class TickPlayer:
             return message.data
         seconds, nanoseconds = divmod(header_stamp(message.data) - self._shift, _SECOND)
         return message.data[:4] + _STAMP.pack(seconds, nanoseconds) + message.data[_STAMP_END:]
+
+
+def player_for(bag: Bag, node: str, run: RunParameters, start: float = 0.0) -> TickPlayer:
+    """Return the player of what a `node` published in the `bag`, from `start` [s] on, for the whole of a `run`.
+
+    Raises BagError where TickPlayer does, and for a bag that ends before the run.
+    """
+    player = TickPlayer(bag, node, run.tick_nanoseconds, round(start * 1e9))
+    if player.last_tick < run.tick_count:
+        available = player.last_tick * run.tick_period
+        raise BagError(
+            f"{bag.path}: it has {available:g} s of {node}, but the run lasts {run.duration:g} s; "
+            f"use --duration {available:g}"
+        )
+    return player
 
 
 def _has_header(bag: Bag, name: str) -> bool:

@@ -6,9 +6,10 @@ import math
 from collections.abc import Mapping, Sequence
 
 from heave_bags.analyse import kpi_table
+from heave_bags.analyse.kpis.window import Window
 from heave_bags.analyse.reading.stored import as_number, number
 from heave_bags.analyse.run_record import RunRecord
-from heave_bags.analyse.verdict import required_words
+from heave_bags.analyse.verdict import LEAST_SHARE, required_words
 
 MOST = 8
 """Figures of merit that a person takes in at a glance."""
@@ -22,7 +23,9 @@ USUAL = (
 """Figures of merit in the order of their weight: a run shows the first MOST that are known, a landing its own first."""
 MUCH_LESS = 0.03
 """Efficiency at the load less than that at the boom tip by so much, and more than the rope's own loss, is explained."""
-OF_A_LAW = ("unit_efficiency", "outlet_efficiency", "baseline_efficiency", "baseline_outlet_efficiency")
+OF_BASELINE = ("baseline_efficiency", "baseline_outlet_efficiency")
+"""Figures of merit of the baseline law."""
+OF_A_LAW = ("unit_efficiency", "outlet_efficiency", *OF_BASELINE)
 """Figures of merit that mean nothing where the law is off."""
 
 
@@ -36,6 +39,8 @@ def note(record: RunRecord, key: str) -> str:
     """Return what bounds the figure of merit `key` in the run `record`, in words; "" where nothing does."""
     notes = [f"required {required_words(one)}" for one in record.wanted if one.kpi == key]
     notes += [f"required at least {one.required:.4g}" for one in record.signals.strengths if one.key == key]
+    if key in OF_BASELINE and (active := _seldom_active(record)):
+        notes.append(active)
     if key == "winch_speed_max_mps" and math.isfinite(record.signals.speed_limit):
         notes.append(f"limit {record.signals.speed_limit:g} m/s")
     return "; ".join(notes)
@@ -47,17 +52,27 @@ def is_missed(record: RunRecord, key: str, value: float) -> bool:
     return is_short or any(one.kpi == key and not one.is_met(value) for one in record.wanted)
 
 
-def why_it_swings(record: RunRecord, values: Mapping[str, float]) -> str:
-    """Return why the load swings more than the rope at the boom tip under the baseline law; "": it does not.
+def _seldom_active(record: RunRecord) -> str:
+    """Return how long the baseline of a run compensated, where that was seldom; "" else."""
+    baseline = record.signals.baseline
+    percent = math.nan if baseline is None else Window(baseline, record.start, record.end).compensating_percent
+    return f"active {percent:.0f} % of the time" if percent < 100.0 * LEAST_SHARE else ""
 
-    Nothing in that law damps the load: its swing from before compensation, and what the rope at the boom tip adds at
-    its natural period, die by drag alone: T = 2 pi sqrt((m + m_a + m_rope / 3) L / EA).
+
+def on_industrial(record: RunRecord, values: Mapping[str, float]) -> str:
+    """Return what must be known of the baseline law's efficiencies; "": nothing.
+
+    It may have lost compensation, or the load may swing more than the rope at the boom tip: nothing in that law damps
+    the load. Its swing from before compensation, and what the rope at the boom tip adds at its natural period, die by
+    drag alone: T = 2 pi sqrt((m + m_a + m_rope / 3) L / EA).
 
     Parameters
     ----------
     record : of the run
     values : its figures of merit (`RunRecord.kpis`)
     """
+    if active := _seldom_active(record):
+        return f"The industrial controller had compensation {active}: its efficiencies include the time without."
     at_tip, at_load = values["baseline_outlet_efficiency"], values["baseline_efficiency"]
     if not at_tip - at_load > max(MUCH_LESS, 1.0 - at_tip):
         return ""
@@ -82,5 +97,5 @@ def table(records: Sequence[RunRecord]) -> str:
     keys = list(dict.fromkeys(key for record in records for key in headline(record, values[record.name])))
     notes = {key: note(records[0], key) for key in keys} if len(records) == 1 else {}
     shown = kpi_table.table(values, {record.name: record.sources for record in records}, keys=keys, notes=notes)
-    why = why_it_swings(records[0], values[records[0].name]) if len(records) == 1 else ""
+    why = on_industrial(records[0], values[records[0].name]) if len(records) == 1 else ""
     return f"{shown}\n{why}" if why else shown

@@ -166,7 +166,7 @@ def _run(record: RunRecord, verdict: Verdict, values: Mapping[str, float]) -> di
         "verdict": [unbroken(line.strip()) for line in verdict.lines()],
         "verdict_class": {FAILED: "bad", NO_VERDICT: ""}.get(verdict.state, "good"),
         "tiles": _tiles(record, values),
-        "why_it_swings": headline.why_it_swings(record, values),
+        "on_industrial": headline.on_industrial(record, values),
         "happenings": happenings[:MOST_HAPPENINGS],
         "more": max(len(happenings) - MOST_HAPPENINGS, 0),
         "extremes": analysis.extremes(record),

@@ -6,16 +6,14 @@ which `heave check` holds a live node. Topics, types, times and message texts co
 
 from __future__ import annotations
 
-import re
 import sys
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from cable_sim_node.winch.parameters import WinchParameters
-from heave_node.cdr.definitions import schema_text
-from heave_node.cdr.layout import SEPARATOR
 from heave_node.crane.pose import LARGEST, RATES
 from heave_node.interface import sensors, topics
-from heave_node.interface.topic import Role, Topic
+from heave_node.interface.topic import Topic
 from heave_node.ros.participant import CATCH_UP_LIMIT
 from heave_node.run_parameters import RunParameters
 from wave_vessel_node.parameters import WaveVesselParameters
@@ -154,7 +152,7 @@ CONTRACTS: tuple[Contract, ...] = (
         when_late=f"Without a fresh command for {WATCHDOG:g} s the winch stops at its own deceleration and brakes."
         " Older commands are ignored.",
         handshake="The winch starts with its brake on. A fresh command with `brake: false` releases it. "
-        f"`sequence` starts at 1 and increases by 1.\n\n{RELEASE}",
+        "`sequence` starts at 1 and increases by 1. A latched fault is released as `virtual_winch` below states.",
         advice="Publish one command for each `clock` message, from the first one on, even if there is nothing to "
         "do (`brake: true`). To hold the load still, pay out as the boom tip rises: payout = heave, payout"
         " rate = heave rate. **Put the motion into `payout_rate`.** The suite's drive follows it within "
@@ -236,20 +234,9 @@ CONTRACTS: tuple[Contract, ...] = (
 CONTRACT_OF = {contract.node: contract for contract in CONTRACTS}
 
 
-def offered_words(topic: Topic) -> str:
-    """Return the quality of service that a publisher of a `topic` may offer."""
-    return "reliable, volatile" if topic.role is Role.COMMAND else "reliable or best effort, volatile"
-
-
-def heard_words(topic: Topic) -> str:
-    """Return the quality of service at which the suite publishes a `topic`."""
-    return "reliable, transient local" if topic.role in (Role.LATCHED, Role.KEPT) else "reliable, volatile"
-
-
 def page() -> str:
     """Return the whole contract as Markdown."""
-    parts = [INTRODUCTION, *map(_section, CONTRACTS), LOCKSTEP, "## Messages\n", *map(_message, _types())]
-    return "\n".join(parts)
+    return "\n".join([INTRODUCTION, *map(_section, CONTRACTS), LOCKSTEP])
 
 
 INTRODUCTION = f"""# The contract of external nodes
@@ -273,8 +260,9 @@ kind. A device on a serial line, UDP or another ROS message type needs no node: 
   clock; offset and drift are estimated) or `none` (stamp 0: time of arrival). The first message decides which, unless
   you state it (`--replace NODE=external:CLOCK`). Stamps that do not fit are reported as an error. Latency before the
   stamp cannot be detected: `--replace NODE=external:CLOCK:0.04` subtracts 40 ms.
-- **Quality of service**: see the tables; depth 10 is enough. Commands published as best effort are refused. Subscribe
-  as reliable or best effort.
+- **Quality of service**: publish as reliable or best effort, volatile, depth 10; `winch/command` as reliable. The
+  suite publishes as reliable and volatile, `controller/beliefs` as transient local: subscribe as you like.
+- **Messages**: fields, units and signs are in [their files](../msgs/msg); `ros2 interface show` prints them.
 - **Names** are relative, including `clock`, so namespaces and remapping work. `heave run --namespace NAME` puts the run
   under `/NAME`; `heave check --namespace NAME` looks there. With `use_sim_time` in a namespace, remap
   `/clock:=/NAME/clock`. Your node may have any name.
@@ -332,7 +320,12 @@ barrier. If the program is deterministic, runs with equal seeds are byte-identic
 
 
 def _section(contract: Contract) -> str:
-    lines = [f"## `{contract.node}`: {contract.what}\n", *_table(contract)]
+    lines = [
+        f"## `{contract.node}`: {contract.what}\n",
+        *_table(contract.publishes),
+        "",
+        f"**Reads** {_read(contract)}.",
+    ]
     if contract.advice:
         lines += ["", f"**How.** {contract.advice}"]
     lines += ["", f"**When late.** {contract.when_late}"]
@@ -341,37 +334,29 @@ def _section(contract: Contract) -> str:
     return "\n".join([*lines, ""])
 
 
-def _table(contract: Contract) -> list[str]:
-    rows = ["| | topic | type | quality of service | rate | required | meaning |", "|---|---|---|---|---|---|---|"]
-    for direction, ports in (("out", contract.publishes), ("in", contract.hears)):
-        for port in ports:
-            rate = f"{port.rate:g} Hz" if port.rate else "-"
-            required = "yes" if port.is_required and direction == "out" else "no"
-            qos = offered_words(port.topic) if direction == "out" else heard_words(port.topic)
-            name = port.topic.name
-            cells = (direction, f"`{name}`", f"`{port.topic.type}`", qos, rate, required)
-            rows.append(f"| {' | '.join(cells)} | {port.meaning} |")
+def _table(ports: Sequence[Port]) -> list[str]:
+    """Return the table of what a node publishes."""
+    rows = ["|publishes|type|rate|required|meaning|", "|---|---|---|---|---|"]
+    for port in ports:
+        rate = f"{port.rate:g} Hz" if port.rate else "-"
+        cells = (
+            f"`{port.topic.name}`",
+            f"`{port.topic.type}`",
+            rate,
+            "yes" if port.is_required else "no",
+            port.meaning,
+        )
+        rows.append(f"|{'|'.join(cells)}|")
     return rows
 
 
-def _types() -> list[str]:
-    """Return the suite's own message types of all contracts and of the protocol, each once."""
-    ports = [port for contract in CONTRACTS for port in (*contract.publishes, *contract.hears)]
-    protocol = (topics.TICK_JOIN, topics.TICK_ROSTER, topics.TICK_START, topics.tick_done_topic("NODE"))
-    types = [port.topic.type for port in ports] + [topic.type for topic in protocol]
-    own = [name for name in types if name.startswith("heave_msgs/")]
-    return list(dict.fromkeys(inner for name in own for inner in (name, *_types_in(name))))
-
-
-def _types_in(name: str) -> list[str]:
-    """Return the suite's own types that a message of a type, `name`, holds."""
-    held = re.findall(r"^MSG: (heave_msgs)/(?:msg/)?(\w+)$", schema_text(name), re.MULTILINE)
-    return [f"{package}/msg/{message}" for package, message in held]
-
-
-def _message(name: str) -> str:
-    text = schema_text(name).split(SEPARATOR)[0].strip()
-    return f"### `{name}`\n\n```\n{text}\n```\n"
+def _read(contract: Contract) -> str:
+    """Return what a node may read: a topic's type and meaning stand where it is published, else here."""
+    published = {port.topic.name for one in CONTRACTS for port in one.publishes}
+    return ", ".join(
+        f"`{port.topic.name}`" + ("" if port.topic.name in published else f" (`{port.topic.type}`: {port.meaning})")
+        for port in contract.hears
+    )
 
 
 def main() -> None:

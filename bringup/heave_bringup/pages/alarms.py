@@ -33,6 +33,24 @@ TABLES: dict[str, AlarmTable] = {
 }
 """The table of each package, under its heading."""
 
+LOST = "*lost*"
+"""What stands for severity and consequence of a lost sensor, which one table has."""
+PLACES = {
+    "mru": "motion sensor of the ship",
+    "encoder": "count of the drum",
+    "depth": "pressure sensor on the load",
+    "load_cell": "hook load, at the boom tip",
+    "velocity": "DVL on the load",
+    "imu": "IMU on the load",
+}
+"""What each sensor is."""
+OF_LOSS = {
+    f"{part.upper()}_{kind}"
+    for part in PLACES
+    for kind in ("STALE", "LATE", "ABSENT", "NOT_A_NUMBER", "BAD_STAMP", "OUT_OF_ORDER", "FROZEN", "SPIKES", "JUMPS")
+}
+"""Codes by which a sensor is lost, and of which the file has one row for all sensors."""
+
 GUARD, TIMES = GuardParameters(), ModeParameters()
 EXAMPLE = str(CONTROLLER.alarm("MRU_STALE", age=0.31, limit=0.15))
 
@@ -47,7 +65,7 @@ RETURNS = (
     ),
     (
         '"encoder frozen"',
-        "automatically, after the same times, once its reading changes; at rest it may not change",
+        "automatically, after the same times, once the count changes, or on request",
         "check that the drum turns; restart the encoder, then request compensation",
     ),
     (
@@ -89,7 +107,16 @@ RETURNS = (
 
 def _lines(rows: Iterable[tuple[str, ...]]) -> str:
     """Return the `rows` of a table as Markdown."""
-    return "\n".join(f"| {' | '.join(cells)} |" for cells in rows)
+    return "\n".join(f"|{'|'.join(cells)}|" for cells in rows)
+
+
+def _loss_table() -> str:
+    """Return the severity and consequence of each sensor's loss, as Markdown."""
+    rows = [("sensor", "what it is", "severity if *lost*", "consequence"), ("---",) * 4]
+    for part, place in PLACES.items():
+        row = CONTROLLER[f"{part.upper()}_STALE"]
+        rows.append((part.upper(), place, row.severity.word, row.consequence.replace("{loop}", "*loop*")))
+    return _lines(rows)
 
 
 HEAD = f"""# Alarms
@@ -114,10 +141,10 @@ Severities are priorities as in IEC 62682 and ISA-18.2. Codes are stable; wordin
 Values are in italics. *loop* is what the controller does at that moment: *Compensation continues*, *Compensation is
 fading out; the depth sensor damps the load*, *Winch is stopping*, *No compensation: emergency stop*.
 
-MRU is the ship's motion sensor, ENCODER the drum's; DEPTH, VELOCITY and IMU are on the load, LOAD_CELL is at
-the boom tip. *measurement* is the measured quantity: `mru_heave`, `mru_heave_rate`, `unit_heave` (depth sensor),
-`unit_velocity`, `unit_acceleration`. Names with a dot are [parameters](parameters.md) of `winch_controller`. Identified
-faults are explained in [my winch differs from its data sheet](guide/howto/wrong_winch.md).
+Names with a dot are [parameters](parameters.md) of `winch_controller`. Identified faults are explained in [my winch
+differs from its data sheet](guide/howto/wrong_winch.md).
+
+{_loss_table()}
 
 ## Does compensation come back?
 
@@ -174,6 +201,8 @@ def _cells(rows: list[AlarmRow]) -> tuple[str, ...]:
     first = rows[0]
     severity = _by_part({row.part: row.severity.word for row in rows})
     consequence = _by_part({row.part: row.consequence for row in rows})
+    if any(row.code in OF_LOSS for row in rows):
+        severity, consequence = (cell if len(rows) == 1 else LOST for cell in (severity, consequence))
     words = (re.sub(r"\{(\w+)[^}]*\}", _italic, text) for text in (first.state, consequence, _action(first)))
     return (", ".join(f"`{row.code}`" for row in rows), severity, *words)
 

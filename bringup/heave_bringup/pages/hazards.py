@@ -96,8 +96,8 @@ def _section(number: int, one: Hazard) -> str:
         ("residual risk", one.residual),
         ("test", ", ".join(f"`{test}`" for test in one.tests)),
     ]
-    lines = [f"| {name} | {words.replace('|', '/')} |" for name, words in rows]
-    return "\n".join([f"## {number}. {one.name}", "", "| | |", "| --- | --- |", *lines, ""])
+    lines = [f"|{name}|{words.replace('|', '/')}|" for name, words in rows]
+    return "\n".join([f"## {number}. {one.name}", "", "|||", "|---|---|", *lines, ""])
 
 
 def _measured(one: Hazard) -> str:
@@ -139,8 +139,8 @@ def _coverage() -> str:
     lines = [
         "## Every fault",
         "",
-        "| fault | winch | encoder | MRU | other sensors |",
-        "| --- | --- | --- | --- | --- |",
+        "|fault|winch|encoder|MRU|other sensors|",
+        "|---|---|---|---|---|",
     ]
     for kind in FAULTS:
         if kind == "clear":
@@ -148,7 +148,7 @@ def _coverage() -> str:
         cells = [
             ", ".join(map(str, hazards_of(device, kind))) if kind in faults_of(device) else "" for device in DEVICES
         ]
-        lines.append(f"| `{kind}` | {' | '.join(cells)} |")
+        lines.append(f"|`{kind}`|{'|'.join(cells)}|")
     return "\n".join([*lines, "", "Numbers refer to the hazards above. Empty: the device cannot have this fault.", ""])
 
 

@@ -23,6 +23,10 @@ LEAST_SAMPLES = 32
 class LiveFigures:
     """What the line says of the loop.
 
+    Parameters
+    ----------
+    is_open_loop : load or winch are those of a bag, and their motion is no figure of this run
+
     Attributes
     ----------
     mode, reason : of the controller, newest; "" before the first
@@ -30,7 +34,8 @@ class LiveFigures:
     has_truth : a simulator has reported where the unit is
     """
 
-    def __init__(self) -> None:
+    def __init__(self, *, is_open_loop: bool = False) -> None:
+        self._is_open_loop = is_open_loop
         self.mode = self.reason = self._loss_reason = ""
         self.is_landed = self.has_truth = False
         self._samples: deque[tuple[float, float, float]] = deque()
@@ -106,6 +111,8 @@ class LiveFigures:
         ----------
         estimated_sigma, estimated_efficiency : of the controller [m], [-]; they count where there is no truth
         """
+        if self._is_open_loop:
+            return f"{self._mode_words()}, open loop: load and winch as recorded"
         if self.is_landed:
             return "load on the seabed, constant tension" if self.mode == HOLDS_TENSION else "load on the seabed"
         sigma, efficiency = self._figures() if self.has_truth else (estimated_sigma, estimated_efficiency)

@@ -11,8 +11,8 @@ from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from heave_bags.analyse.events import ALARMS_PART, MODE_PART, SENSOR_PARTS
 from heave_msgs.msg import CableState, CompensationKpi, PointMotion, TickStatus
 from heave_node.interface import topics
-from heave_node.interface.alarm import Severity, alarms_in
-from heave_node.interface.codes import time_key, time_of, without_figures
+from heave_node.interface.alarm import Severity, alarms_in, kind_of
+from heave_node.interface.codes import time_key, time_of
 from heave_node.ros.process import in_namespace, node_beside
 from heave_node.ros.release import take_newest
 from heave_node.ros.spin import Spinner
@@ -81,6 +81,7 @@ class Monitor:
     Parameters
     ----------
     namespace : of the run; "" for none
+    is_open_loop : see LiveFigures
 
     Attributes
     ----------
@@ -90,12 +91,12 @@ class Monitor:
     strangers : what they said of processes that publish where only others may, in order
     """
 
-    def __init__(self, namespace: str = "") -> None:
+    def __init__(self, namespace: str = "", *, is_open_loop: bool = False) -> None:
         # the command must end the nodes in order
         self._node = node_beside("heave_command", namespace)
         self.status: TickStatus | None = None
         self.kpi: CompensationKpi | None = None
-        self.live = LiveFigures()
+        self.live = LiveFigures(is_open_loop=is_open_loop)
         self.alarms: list[str] = []
         self._news: list[str] = []
         self.strangers: dict[str, None] = {}
@@ -161,8 +162,8 @@ class Monitor:
                 ]
             if part.level != DiagnosticStatus.ERROR:
                 self._errors.pop(part.name, None)
-            elif self._errors.get(part.name) != without_figures(part.message):
-                self._errors[part.name] = without_figures(part.message)
+            elif self._errors.get(part.name) != (kind := kind_of(part.message)):
+                self._errors[part.name] = kind
                 if part.name.endswith(f": {STRANGERS}"):
                     self.strangers |= dict.fromkeys(part.message.split("; "))
                 self.alarms.append(f"{time_key(_raised(message, part))}: {part.name}: {part.message}")

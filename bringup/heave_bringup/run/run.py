@@ -10,6 +10,7 @@ from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
+from heave_bags.analyse.verdict import open_loop
 from heave_msgs.msg import TickStatus
 from heave_node.parameters import ParameterError
 from heave_node.ros.master import STOP_RECORDING_TIME
@@ -153,7 +154,7 @@ def run_scenario(
         if not is_only:
             _remove_unused(folder)
             raise AnotherRunError(ANOTHER_RUN)
-        monitor = _listen(namespace)
+        monitor = _listen(namespace, is_open_loop=bool(open_loop(replaced.played)))
         launcher = Launcher(forks)
         progress = ProgressLine()
         try:
@@ -241,9 +242,9 @@ def _handled_by(handler: Callable[..., object]) -> Iterator[None]:
             signal.signal(number, previous)
 
 
-def _listen(namespace: str) -> Monitor:
+def _listen(namespace: str, *, is_open_loop: bool) -> Monitor:
     try:
-        return Monitor(namespace)
+        return Monitor(namespace, is_open_loop=is_open_loop)
     except RuntimeError as error:  # of rclpy: no keys in the keystore, no such middleware
         raise CommandError(f"ROS failed to start: {' '.join(str(error).split())}") from None
 
@@ -262,7 +263,7 @@ def store_scenario(scenario: Scenario, folder: RunFolder, replaced: Sequence[str
         directory=str(folder.bag),
         scenario_file=str(folder.scenario),
         scenario=scenario.name,
-        replaced=tuple(replaced),
+        replaced=(*scenario.run.external, *replaced),
     )
     stored = replace(scenario, parameters={**scenario.parameters, "recorder": recorder})
     sections = stored_sections(stored)

@@ -32,7 +32,7 @@ from heave_studies.kappa import scenario_of
 
 SIMULATED = ("wave_vessel", "cable_sim", "virtual_winch")
 """Nodes that the baseline is the same without ROS as with it, if they were the suite's own."""
-KEPT = ("unit_heave", "uncompensated_heave", "touchdown", "boom_tip_heave", "payout")
+KEPT = ("unit_heave", "uncompensated_heave", "touchdown", "boom_tip_heave", "payout", "compensating")
 """Signals that the efficiencies are made from."""
 LONGEST = 86_400.0
 """A record that ends later [s] is of no simulated run that anyone waits for."""

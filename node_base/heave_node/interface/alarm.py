@@ -25,7 +25,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from heave_node.files.bounded_yaml import parse_yaml
-from heave_node.interface.codes import TIME_KEY
+from heave_node.interface.codes import TIME_KEY, without_figures
 
 Value = float | str
 
@@ -106,7 +106,7 @@ class Alarm:
         consequence = self.row.consequence
         if LOOP not in self.values:
             consequence = consequence.replace(f"{{{LOOP}}}", "").removeprefix(". ")
-        parts = (self.row.state, consequence, self.row.action)
+        parts = (self._state, consequence, self.row.action)
         return " ".join(f"{part.format(**self.values)}." for part in parts if part)
 
     def reported(self, loop: str) -> Alarm:
@@ -114,9 +114,25 @@ class Alarm:
         return replace(self, values={**self.values, LOOP: loop}) if f"{{{LOOP}}}" in self.row.consequence else self
 
     @property
+    def _state(self) -> str:
+        """State of the row, with as many digits as tell its values from the limit."""
+        text, limit = self.row.state, self.values.get("limit")
+        if not isinstance(limit, float | int):
+            return text
+        for figure, name, sign, digits in _FIGURE.findall(text):
+            value, least = self.values[name], int(digits)
+            if name == "limit" or not isinstance(value, float | int) or abs(value) == limit:
+                continue
+            enough = (n for n in range(least, least + 4) if round(abs(value), n) != round(limit, n))
+            more = next(enough, least)
+            text = text.replace(figure, f"{{{name}:{sign}.{more}f}}")
+            text = text.replace(f"{{limit:.{digits}f}}", f"{{limit:.{more}f}}")
+        return text
+
+    @property
     def brief(self) -> str:
         """What is wrong alone, as the reason of a mode."""
-        return f"{self.row.title}: {self.row.state.format(**self.values)}"
+        return f"{self.row.title}: {self._state.format(**self.values)}"
 
     def __str__(self) -> str:
         """Return the line of the log, of diagnostics and of a bag, which `alarms_in` reads."""
@@ -185,6 +201,7 @@ class ReadAlarm(NamedTuple):
         return self.code.replace("_", " ")
 
 
+_FIGURE = re.compile(r"(\{(\w+):(\+?)\.(\d)f\})")
 _OWN = re.compile(r"<(\w+)>")
 _CODE = re.compile(r"[A-Z][A-Z0-9]*(_[A-Z0-9]+)*")
 _HEAD = re.compile(
@@ -206,6 +223,11 @@ def alarms_in(text: str) -> list[ReadAlarm]:
         )
         for head, end in zip(heads, ends, strict=False)  # a text without a head has one end
     ]
+
+
+def kind_of(message: str) -> str:
+    """Return what stays the same of a `message` of diagnostics while it reports the same: its codes, or its words."""
+    return " ".join(alarm.code for alarm in alarms_in(message)) or without_figures(message)
 
 
 NODE_ALARMS = read_alarms(Path(__file__).with_name("alarms.yaml"))

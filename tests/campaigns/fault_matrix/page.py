@@ -132,7 +132,7 @@ def _bars(campaign: Mapping[str, Any]) -> list[str]:
 
 
 def _table(head: Sequence[str], rows: Any) -> list[str]:
-    return [f"| {' | '.join(row)} |" for row in [head, ["---"] * len(head), *rows]]
+    return [f"|{'|'.join(row)}|" for row in [head, ["---"] * len(head), *rows]]
 
 
 if __name__ == "__main__":

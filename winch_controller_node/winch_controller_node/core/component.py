@@ -18,7 +18,7 @@ from winch_controller_node.core.estimation.loop_tick import LoopTick
 from winch_controller_node.core.events import ControllerEvents
 from winch_controller_node.core.loop_command import Tick
 from winch_controller_node.core.state_report import Known, state_report
-from winch_controller_node.core.supervision.modes import Mode, ModeOutput, loop_words
+from winch_controller_node.core.supervision.modes import COASTING, Mode, ModeOutput, loop_words
 from winch_controller_node.core.supervision.proofs import Driven, Proven
 from winch_controller_node.core.supervision.supervisor import Decision, WinchSituation
 from winch_controller_node.design.prediction import predict_loop
@@ -67,7 +67,7 @@ class WinchController(ControllerEvents):
         order = self._act(loop, decision, measurements, preview)
         alarms = self._alarms
         if alarms:
-            does = loop_words(decision.mode.mode, is_damped_blind=decision.is_damped and not loop.knows_tip)
+            does = self._does(loop, decision)
             alarms = [alarm.reported(does) for alarm in alarms]
         kpi = self._kpi.figures() if tick % max(1, round(1.0 / self._dt)) == 0 else None
         return Outputs(
@@ -89,10 +89,21 @@ class WinchController(ControllerEvents):
         """
         if loop.number != self._next_tick - 1:
             raise RuntimeError(f"the report of tick {loop.number} is to be read before the next tick")
-        does = loop_words(decision.mode.mode, is_damped_blind=decision.is_damped and not loop.knows_tip)
-        sensors = tuple(state.reported(does) for state in self.observer.states(loop.number))
+        does, named = self._does(loop, decision), self._encoder.named
+        states = [
+            # of drum and encoder one was found at fault: that is what stands
+            state._replace(alarm=named) if state.sensor == "encoder" and state.alarm and named else state
+            for state in self.observer.states(loop.number)
+        ]
+        sensors = tuple(state.reported(does) for state in states)
         known = Known(self.design, self._in_force.law, self.estimator, self._estimation.depth_set_point, sensors)
         return state_report(loop, decision, self._command.last, order, known)
+
+    def _does(self, loop: LoopTick, decision: Decision) -> str:
+        """Return what the loop does, in words."""
+        blind = decision.is_damped and not loop.knows_tip
+        coasts = self.parameters.modes.coast_time if decision.mode.reason.startswith(COASTING) else 0.0
+        return loop_words(decision.mode.mode, is_damped_blind=blind, coasts=coasts)
 
     def _act(
         self, loop: LoopTick, decision: Decision, measurements: Measurements, preview: HeavePreview | None

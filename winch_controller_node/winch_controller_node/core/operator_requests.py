@@ -8,6 +8,7 @@ from heave_node.parameters import describe
 
 from winch_controller_node.core.parts import ControllerParts
 from winch_controller_node.core.restarts import Event, restart
+from winch_controller_node.core.supervision.mode_machine import TRIES
 from winch_controller_node.core.supervision.modes import BRAKED, Mode, ModeError
 from winch_controller_node.interface.alarms import ALARMS
 from winch_controller_node.interface.requests import DEPTH, FACTOR, HOLD, MODE, Request, stated
@@ -40,8 +41,13 @@ class OperatorRequests(ControllerParts):
         """
         restart(self, Event.ASKED)
         self.proofs.ask(consent=consent)
-        if self.observer.excluded == "encoder":
-            self.observer.exclude("")
+        taken = self._taken(name, tension)
+        if name in TRIES:
+            restart(self, Event.TRIED)
+        return taken
+
+    def _taken(self, name: str, tension: float) -> str:
+        """Take a mode as `set_mode` does."""
         if name == Mode.CONSTANT_TENSION.value:
             measured = self._estimation.filtered_tension
             if not math.isfinite(measured):

@@ -12,6 +12,7 @@ class Event(Enum):
     """What can make a memory void."""
 
     ASKED = "an operator asks for a mode"
+    TRIED = "an operator asks for a mode that moves the winch"
     FOLLOWS = "the winch begins to follow the sea, or another unit depth is the mean"
     TENSION_HELD = "constant tension begins or ends"
     REDESIGNED = "an operator has stated other nominal parameters"
@@ -26,7 +27,9 @@ MEMORIES: Mapping[str, Callable[[ControllerParts], object]] = {
     "command timeouts": lambda core: core._supervisor.timeouts.cancel(),
     "attempts after harm": lambda core: core._supervisor.guard.release(),
     "latched envelope": lambda core: core.envelope.acknowledge(),
-    "frozen encoder": lambda core: core.observer.trust(),
+    "frozen encoder": lambda core: core.observer.encoder.trust(),
+    "steps of sensors": lambda core: core.observer.trust(),
+    "excluded encoder": lambda core: core.observer.use_encoder(),
     "direction of the encoder": lambda core: core._encoder.restart(),
     "plan of the law": lambda core: core._in_force.law.reset(),
     "mean tension": lambda core: core._estimation.restart_tension(),
@@ -45,9 +48,9 @@ RESTARTS: Mapping[Event, tuple[str, ...]] = {
         "command timeouts",
         "attempts after harm",
         "latched envelope",
-        "frozen encoder",
-        "direction of the encoder",
+        "steps of sensors",
     ),
+    Event.TRIED: ("frozen encoder", "excluded encoder", "direction of the encoder"),
     Event.FOLLOWS: ("plan of the law",),
     Event.TENSION_HELD: ("mean tension",),
     Event.REDESIGNED: ("past readings", "sea of the estimator"),

@@ -22,6 +22,9 @@ POINTS = 4000
 GAUSSIAN_TO_HARMONIC = math.sqrt(8.0 / math.pi) * 3.0 * math.pi / 8.0
 """Harmonic amplitude over Gaussian sigma at equal linearised quadratic drag."""
 
+DRUM_RADIUS = 0.75
+"""Radius at which torque is stated where none is given [m]."""
+
 STORM = 3.0 * 3600.0
 """Duration over which the largest values are expected [s]."""
 
@@ -124,7 +127,7 @@ def feasibility_table(
     heights: Sequence[float],
     periods: Sequence[float],
     *,
-    drum_radius: float = 0.75,
+    drum_radius: float = DRUM_RADIUS,
 ) -> list[WinchDemand]:
     """Return the demand for each significant wave height of `heights` [m] and peak period of `periods` [s].
 

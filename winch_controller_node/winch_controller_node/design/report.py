@@ -14,6 +14,7 @@ from heave_node.numerics.linear_model import with_feedback
 from winch_controller_node.design.bounds import BOUND_STEP, actuator_bound, boom_tip_realisation
 from winch_controller_node.design.design import ControllerDesign, design_controller, error_of_two_states
 from winch_controller_node.design.feasibility import (
+    DRUM_RADIUS,
     WinchDemand,
     feasibility_table,
     format_feasibility,
@@ -396,6 +397,7 @@ def _curve_row(point: TradeOff) -> str:
 
 def _demands(report: DesignReport) -> str:
     return (
-        "What the winch must do for full compensation, largest in three hours, drum radius 0.75 m:\n"
-        + format_feasibility(report.feasibility)
+        "What the winch must deliver for full compensation, largest in 3 h, at static tension and a drum radius "
+        f"of {DRUM_RADIUS:g} m.\nDrum and motor of inertia J need a further torque of J a / {DRUM_RADIUS:g} m at "
+        "acceleration a.\n" + format_feasibility(report.feasibility)
     )

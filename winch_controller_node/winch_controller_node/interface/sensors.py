@@ -28,6 +28,18 @@ CALIBRATION_DRIFT = 1e-5
 awake."""
 
 
+MEASURED_WORDS = {
+    "mru_heave": "MRU heave",
+    "mru_heave_rate": "MRU heave rate",
+    "unit_heave": "load depth",
+    "payout": "payout",
+    "unit_velocity": "load velocity",
+    "unit_acceleration": "load acceleration",
+    "tension": "hook load",
+}
+"""What alarms and reasons call the measurements."""
+
+
 class MeasurementRow(NamedTuple):
     """A scalar that the estimator takes: (1 + scale_state) (output + state), with white noise.
 

@@ -80,6 +80,11 @@ class Window:
         return NOT_KNOWN if baseline is None else float(getattr(Window(baseline, self.start, self.end), figure))
 
     @cached_property
+    def compensating_percent(self) -> float:
+        """Share of time in which compensation was active [%]."""
+        return kpi.percent_true(self.of(self.run.compensating).value)
+
+    @cached_property
     def worst_minute(self) -> float:
         """Largest `s(z) / s(z_off)` of any minute."""
         heave = self.of(self.run.unit_heave)

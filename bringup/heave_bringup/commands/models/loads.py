@@ -17,6 +17,11 @@ if TYPE_CHECKING:
     from heave_bringup.scenarios import Scenario
 
 
+LIGHT = 0.02
+"""A load that weighs less than this share of its rope in water is hardly meant [-]; the lightest of the catalogue on
+its longest rope has some 0.1."""
+
+
 def strengths_in(scenario: Scenario) -> tuple[Strength, ...]:
     """Return what the parts of a `scenario` can carry, of those whose strength is stated."""
     return strengths(flatten(scenario.parameters["cable_sim"]), flatten(scenario.parameters["virtual_winch"]))
@@ -39,6 +44,18 @@ def short_at_rest(scenario: Scenario) -> list[str]:
                 f"Use {1e-3 * part.required * check.load:.0f} kN or more{smallest}, or a lighter load"
             )
     return words
+
+
+def light_beside_rope(scenario: Scenario) -> list[str]:
+    """Return in words that the load of a `scenario` is next to nothing beside its rope: its mass may be in tonnes."""
+    plant = scenario.parameters["cable_sim"]
+    load = plant.unit.weight_in_fluid(plant.water_density, plant.gravity)
+    rope = plant.length * plant.cable.weight_in_fluid(plant.water_density, plant.gravity)
+    if not load < LIGHT * rope:
+        return []
+    return [
+        f"the load of {plant.unit.mass:g} kg weighs {100.0 * load / rope:.1g} % of the rope in water: masses are in kg"
+    ]
 
 
 def _checks_at_rest(scenario: Scenario) -> tuple[LoadCheck, ...]:

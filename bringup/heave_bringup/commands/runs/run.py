@@ -149,7 +149,7 @@ def execute(options: argparse.Namespace) -> None:
         from heave_bringup.run.run import new_run_folder, run_scenario
 
         folder = new_run_folder(scenario.name, options.bag)
-        _announce(options, scenario, required, replaced.played)
+        _announce(options, scenario, required, replaced.entries)
         # What judges the run takes seconds to load: time that the nodes need to find each other.
         judging = [EVALUATION] if options.no_report else [EVALUATION, SPECTRA]
         threading.Thread(target=lambda: [importlib.import_module(module) for module in judging]).start()
@@ -203,16 +203,17 @@ def _check(options: argparse.Namespace, scenario: Scenario, replaced: Replacemen
         check_rest(scenario)
     if not {"wave_vessel", "cable_sim"} & unread:
         warn(check_waves(scenario))
+    replaced.check_bags(scenario.run)
 
 
 def _announce(
-    options: argparse.Namespace, scenario: Scenario, required: Sequence[Criterion], played: Sequence[str]
+    options: argparse.Namespace, scenario: Scenario, required: Sequence[Criterion], replaced: Sequence[str]
 ) -> None:
     """Write in the first line of a run what it will be judged by, or that it cannot be judged."""
     from heave_bringup.output import warn
     from heave_bringup.run.announcement import announce
 
-    words = announce(scenario, required, played)
+    words = announce(scenario, required, replaced)
     if not words.is_judged:
         warn([words.text])
     elif not options.quiet:

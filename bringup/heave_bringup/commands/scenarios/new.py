@@ -67,7 +67,7 @@ def execute(options: argparse.Namespace) -> None:
     """Write the file that `options` name, and check it."""
     from heave_node.loads.strength import payload_words
 
-    from heave_bringup.commands.models.loads import short_at_rest
+    from heave_bringup.commands.models.loads import light_beside_rope, short_at_rest
     from heave_bringup.output import warn, write_result
     from heave_bringup.pages.commented_scenario import commented_scenario
     from heave_bringup.scenarios import description_of, find_scenario, load_scenario, sections_for, write_scenario
@@ -91,7 +91,7 @@ def execute(options: argparse.Namespace) -> None:
     unit = f"load: {load}, displaces {plant.unit.volume:.3g} m^3; rope: {plant.length:g} m"
     if known.wanted:
         unit += f"\nnote: the criteria (wanted) are those of {model.stem}: check them"
-    warn(short_at_rest(scenario))
+    warn([*light_beside_rope(scenario), *short_at_rest(scenario)])
     words = f"{path}: {sum(map(len, sections.values()))} values, each with its meaning\n{unit}\n{how}"
     write_result(options, words, {"file": str(path.resolve()), "like": model.stem})
 

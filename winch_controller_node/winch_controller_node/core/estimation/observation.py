@@ -30,7 +30,7 @@ from winch_controller_node.core.estimation.sensor_health import CONTRADICTS, Sen
 from winch_controller_node.design.design import ControllerDesign
 from winch_controller_node.interface.alarms import ALARMS
 from winch_controller_node.interface.readings import SensorState
-from winch_controller_node.interface.sensors import KNOWN_SENSORS, MeasurementRow
+from winch_controller_node.interface.sensors import KNOWN_SENSORS, MEASURED_WORDS, MeasurementRow
 from winch_controller_node.model.estimator import KalmanEstimator, Measurement
 
 HEAVE_ALONE = "heave alone: it measures no rate"
@@ -148,12 +148,16 @@ class Observer:
     def trust(self) -> None:
         """Try again what is rejected, at an operator's request; harm is detected again.
 
-        It is a frozen encoder, an excluded depth sensor, and a motion reference unit that has stepped: what it reads
-        now is its mean. One that contradicts all others must agree with them first.
+        It is an excluded depth sensor, and a motion reference unit that has stepped: what it reads now is its mean. One
+        that contradicts all others must agree with them first.
         """
-        self.encoder.trust()
         library().heave_core_restart_steps(self.state.ctypes.data)
         if self.excluded == "depth":
+            self.exclude("")
+
+    def use_encoder(self) -> None:
+        """Use an encoder again that is set aside."""
+        if self.excluded == "encoder":
             self.exclude("")
 
     def is_taken(self, measurement: int) -> bool:
@@ -243,7 +247,9 @@ class Observer:
         found += [self._quiet(sensor, row, place) for place, sensor, row in named if self._noises["news"][place]]
         if news & News.UNEXPLAINED:
             (name, mean), time = self.worst, float(self.state["disagree_time"][0])
-            found.append(ALARMS.alarm("SENSORS_DISAGREE", measurement=name, ratio=math.sqrt(mean), time=time))
+            found.append(
+                ALARMS.alarm("SENSORS_DISAGREE", measurement=MEASURED_WORDS[name], ratio=math.sqrt(mean), time=time)
+            )
         return tuple(found)
 
     def _fault(self, name: str, gate: SensorGate) -> Alarm:
@@ -262,14 +268,14 @@ class Observer:
         noise = self._noises[place]
         sigma, factor = float(noise["sigma"]), float(noise["factor"])
         code = f"{sensor.upper()}_NOISE_HIGH"
-        return ALARMS.alarm(code, measurement=row.name, sigma=sigma, unit=row.unit, factor=factor)
+        return ALARMS.alarm(code, measurement=MEASURED_WORDS[row.name], sigma=sigma, unit=row.unit, factor=factor)
 
     def _quiet(self, sensor: str, row: MeasurementRow, place: int) -> Alarm:
         """Return that a measurement, a `row` of a `sensor` at a `place` in the core, is quieter than nominal."""
         seen, mean = float(self._noises[place]["seen"]), float(self._noises[place]["mean"])
         return ALARMS.alarm(
             f"{sensor.upper()}_NOISE_LOW",
-            measurement=row.name,
+            measurement=MEASURED_WORDS[row.name],
             ratio=math.sqrt(mean),
             sigma=row.sigma,
             unit=row.unit,

@@ -12,6 +12,7 @@ from heave_node.interface.codes import MruStatus, SensorLevel
 from winch_controller_node.core.estimation.sense_design import WATCHES
 from winch_controller_node.interface.alarms import ALARMS
 from winch_controller_node.interface.readings import SensorState
+from winch_controller_node.interface.sensors import MEASURED_WORDS
 from winch_controller_node.parameters.laws import HealthParameters
 
 CONTRADICTS = "contradicts all others"
@@ -158,6 +159,6 @@ def inconsistency_words(name: str, mean: float) -> str:
     largest, memory = WATCHES["inconsistent"], WATCHES["memory"]
     wait = memory * math.log((mean - 1.0) / (largest - 1.0))
     return (
-        f"innovations of {name} are {math.sqrt(mean):.1f} times their expected size, limit {math.sqrt(largest):.1f}: "
-        f"about {wait:.0f} s more to settle; the sensors are compared meanwhile"
+        f"innovations of {MEASURED_WORDS[name]} are {math.sqrt(mean):.1f} times their expected size, limit "
+        f"{math.sqrt(largest):.1f}: about {wait:.0f} s more to settle; the sensors are compared meanwhile"
     )

@@ -9,6 +9,7 @@ from winch_controller_node.core.supervision.command_timeouts import WAIT
 from winch_controller_node.core.supervision.modes import (
     BRAKED,
     COAST_RECOVERY,
+    COASTING,
     FORGIVEN,
     MAY_RESUME,
     MOST_LOSSES,
@@ -28,6 +29,12 @@ from winch_controller_node.core.supervision.modes import (
     goes_on_blind,
 )
 from winch_controller_node.parameters.laws import ModeParameters
+
+FROZEN_ENCODER = "encoder frozen"
+"""How it is called among the sensors that are lost; with the drum at rest it cannot show that it is good again."""
+
+TRIES = (Mode.COMPENSATING.value, Mode.CONSTANT_TENSION.value, Mode.MANUAL.value)
+"""Modes that move the winch: who requests one wants a frozen or reversed encoder to be tried again."""
 
 HICCUP = 0.5
 """Sensors that were lost for no longer than this [s] need not be good for the whole of a wait again."""
@@ -90,11 +97,17 @@ class ModeMachine:
     @property
     def obstacle(self) -> str:
         """What keeps compensation from beginning now, in words; empty where nothing does."""
-        lost = self._situation.lost
+        lost = self._tried.lost
         if lost:
             return f"{lost}; request it again once the sensor is good"
         harm = "" if self._situation.awaits_operator else self._situation.harm  # who asks has looked at the cause
         return harm or self._situation.gates()
+
+    @property
+    def _tried(self) -> Situation:
+        """The situation in which an operator wants the winch to move: a frozen encoder is tried again."""
+        lost = [one for one in self._situation.lost.split(", ") if one != FROZEN_ENCODER]
+        return self._situation._replace(lost=", ".join(lost))
 
     @property
     def fault(self) -> str:
@@ -126,8 +139,12 @@ class ModeMachine:
             raise ModeError(f"mode {name!r} cannot be requested; known: {', '.join(events)}")
         # an operator who asks for a mode knows of the fault that is there, and the brake acknowledges it
         self._known_fault = self._situation.winch_fault
+        before = self._situation
+        if name in TRIES:
+            self._situation = self._tried
         if not self._take(events[name]):
-            raise ModeError(self._refusal(name, events[name]))
+            refusal, self._situation = self._refusal(name, events[name]), before
+            raise ModeError(refusal)
 
     def touch_down(self) -> None:
         """Go over to constant tension: the unit has landed, even if a sensor is lost for a moment."""
@@ -239,11 +256,8 @@ class ModeMachine:
             return "request a mode once the sensor is good"
         if not self._parameters.resume:
             return "compensation resumes automatically only while authority falls; after that request it"
-        if "encoder frozen" in self._situation.lost:
-            return (
-                "compensation resumes automatically once the encoder's reading changes; at rest it may stay the same: "
-                "then request compensation"
-            )
+        if FROZEN_ENCODER in self._situation.lost:
+            return "compensation resumes automatically once the count changes, or on request"
         if self._memory.losses > 1:
             wait = BACK_TIME * self._memory.patience
             return (
@@ -283,7 +297,7 @@ class ModeMachine:
                 self._memory = self._memory._replace(losses=0)
             self.target = self.factor * situation.authority_limit
             self._approach(self.target, self._parameters.fade_in_time)
-            self.reason = f"coasting on prediction: {situation.lost}" if situation.lost else ""
+            self.reason = f"{COASTING}: {situation.lost}" if situation.lost else ""
         elif self.mode is Mode.FADE_OUT and self.wants_compensation and situation.harm:
             self.reason = self._harm  # the cause may have become known
         elif self.mode is Mode.STANDBY and situation.lost:

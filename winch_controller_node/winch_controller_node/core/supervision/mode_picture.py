@@ -1,4 +1,4 @@
-"""The table of modes as a page: a state diagram and every row in words.
+"""The table of modes as a page: what an operator sees, and every row in words.
 
 python -m winch_controller_node.core.supervision.mode_picture > docs/modes.md
 """
@@ -72,18 +72,6 @@ the refusal names the conditions that do not hold.
 """
 
 
-def diagram() -> str:
-    """Return the changes of mode as a mermaid state diagram; one arrow for each pair of modes."""
-    arrows: dict[tuple[str, str], list[str]] = {}
-    for row in TABLE:
-        for source in row.sources:
-            if source is not row.target:
-                events = arrows.setdefault((source.value, row.target.value), [])
-                events += [row.event.value] if row.event.value not in events else []
-    lines = [f"    {source} --> {target}: {', '.join(events)}" for (source, target), events in arrows.items()]
-    return "\n".join(["stateDiagram-v2", "    [*] --> standby", "    [*] --> off: law off", *lines])
-
-
 def _words(row: Transition) -> tuple[str, str, str, str, str]:
     target = "stays" if row.sources == (row.target,) else row.target.value
     return (
@@ -97,11 +85,11 @@ def _words(row: Transition) -> tuple[str, str, str, str, str]:
 
 def page() -> str:
     """Return the page as Markdown."""
-    seen = ["| mode | what you see | what you do |", "|---|---|---|"]
-    seen += [f"| {mode.value} | {see} | {do} |" for mode, (see, do) in SEEN.items()]
-    rows = ["| mode | event | conditions | effect | next mode |", "|---|---|---|---|---|"]
-    rows += [f"| {' | '.join(_words(row))} |" for row in TABLE]
-    return "\n".join([HEADER, *seen, "", TRANSITIONS, "```mermaid", diagram(), "```", "", *rows, ""])
+    seen = ["|mode|what you see|what you do|", "|---|---|---|"]
+    seen += [f"|{mode.value}|{see}|{do}|" for mode, (see, do) in SEEN.items()]
+    rows = ["|mode|event|conditions|effect|next mode|", "|---|---|---|---|---|"]
+    rows += [f"|{'|'.join(_words(row))}|" for row in TABLE]
+    return "\n".join([HEADER, *seen, "", TRANSITIONS, *rows, ""])
 
 
 if __name__ == "__main__":

@@ -505,8 +505,16 @@ LOOP_WORDS: dict[Mode, str] = {
 }
 """What follows for the load, by mode."""
 DAMPED = "Compensation is fading out; the depth sensor damps the load"
+COASTING = "coasting on prediction"
+"""Begins the reason of mode compensating while a sensor that it requires is lost."""
 
 
-def loop_words(mode: Mode, *, is_damped_blind: bool) -> str:
-    """Return what the loop does in a `mode`; `is_damped_blind`: the load is damped by the depth sensor alone."""
+def loop_words(mode: Mode, *, is_damped_blind: bool = False, coasts: float = 0.0) -> str:
+    """Return what the loop does in a `mode`.
+
+    `is_damped_blind`: the load is damped by the depth sensor alone. `coasts`: longest time for which compensation goes
+    on without a sensor that it requires [s]; 0: none is lost.
+    """
+    if mode is Mode.COMPENSATING and coasts:
+        return f"{LOOP_WORDS[mode]} on prediction for at most {coasts:g} s"
     return DAMPED if mode is Mode.FADE_OUT and is_damped_blind else LOOP_WORDS[mode]

@@ -12,6 +12,7 @@ from heave_node.interface.alarm import Alarm
 from winch_controller_node.core.estimation.second_filter import SecondFilter
 from winch_controller_node.core.supervision.watch.drum_watch import Ordered
 from winch_controller_node.interface.alarms import ALARMS
+from winch_controller_node.interface.sensors import MEASURED_WORDS
 
 LOOKED_EVERY = 0.1
 """Time from one look to the next [s]."""
@@ -86,6 +87,11 @@ class EncoderReflex:
         self._looks, self._aside_time = 0, 0.0
 
     @property
+    def named(self) -> Alarm | None:
+        """Which of drive and encoder was found at fault; None: neither."""
+        return self._verdict
+
+    @property
     def is_separated(self) -> bool:
         """Tell whether drive or encoder has been named."""
         return self._verdict is not None
@@ -104,7 +110,9 @@ class EncoderReflex:
         if abs(nats) < SEPARATED:
             return None
         witness = by_count.witness[0] if nats > 0.0 else by_count.witness_against
-        self._verdict = ALARMS.alarm("DRIVE_AT_FAULT" if nats > 0.0 else "ENCODER_AT_FAULT", witness=witness)
+        self._verdict = ALARMS.alarm(
+            "DRIVE_AT_FAULT" if nats > 0.0 else "ENCODER_AT_FAULT", witness=MEASURED_WORDS[witness]
+        )
         self.is_unresolved |= nats > 0.0
         return self._verdict
 

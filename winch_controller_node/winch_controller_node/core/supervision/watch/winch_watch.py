@@ -12,7 +12,7 @@ from heave_node.interface.alarm import Alarm
 from heave_node.interface.codes import WinchFault, WinchLimit
 
 from winch_controller_node.beliefs.drum import drum_of
-from winch_controller_node.core.supervision.late_commands import CUT_TIME, LateCommands, link_values
+from winch_controller_node.core.supervision.late_commands import CUT_TIME, ROUNDING, LateCommands, link_values
 from winch_controller_node.core.supervision.watch.drum_watch import DrumWatch, watched
 from winch_controller_node.core.supervision.watch.timeout_cause import TimeoutCause
 from winch_controller_node.design.design import ControllerDesign
@@ -149,6 +149,6 @@ class WinchWatch:
         winch = parameters.winch
         lag = winch.command_delay + winch.time_constant
         tolerated = parameters.lag.largest if parameters.identifies_winch else TOLERATED_SHARE * lag
-        if late.overdue <= tolerated:
+        if late.overdue <= tolerated * (1.0 + ROUNDING):
             return TransportReport(late.news)
         return TransportReport(late.news, ALARMS.alarm("COMMANDS_TOO_LATE", delay=late.overdue, limit=tolerated))
