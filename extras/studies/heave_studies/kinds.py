@@ -11,6 +11,7 @@ from types import ModuleType
 
 import pandas
 from heave_bringup.replacements import EXTERNAL, parse_replacements
+from heave_bringup.scenarios import description_of
 from heave_bringup.settings import parse_setting
 from heave_devices.adapt.shipped import find_map
 from heave_node.files.bounded_yaml import parse_yaml
@@ -72,6 +73,7 @@ class Opened:
     answer: Callable[[pandas.DataFrame], Found]  # to its table
     folder: Path  # of what it leaves
     facts: Mapping[str, str] = field(default_factory=dict)  # what identifies it beside the engine's, by name
+    lead: str = ""  # what it asks, in a line
 
 
 def open_study(options: Options) -> Opened:
@@ -105,7 +107,8 @@ def _cases(options: Options, path: Path | None) -> Opened:
         has_baseline=study.has_baseline or options.has_baseline,
     )
     asked = asked_of(study)
-    return Opened(Cases(asked.study), asked.of, options.folder or options.own_folder)
+    lead = f"Scenario {study.scenario}" if path is None else description_of(path)
+    return Opened(Cases(asked.study), asked.of, options.folder or options.own_folder, lead=lead)
 
 
 def _lift(options: Options, path: Path) -> Opened:

@@ -20,6 +20,7 @@ from heave_bringup.stored_scenario import stored_sections, stored_title
 from heave_node.parameters import ParameterError
 from heave_node.scenario import sections_text
 
+from heave_studies.study.cost import JUDGE, LOOP, START, Meter
 from heave_studies.study.plan import Case, Study
 from heave_studies.study.silent import NO_MINUTE, Minute, silent_minute
 
@@ -71,6 +72,7 @@ class CaseResult:
     # those of `missed` that fail any run, see `heave_bags.analyse.verdict.Verdict.breaches`
     breaches: tuple[str, ...] = ()
     minute: Minute = NO_MINUTE  # the worst minute that no alarm announced
+    cost: Mapping[str, float] = field(default_factory=dict)  # processor time by part [s]
 
     @property
     def is_lost(self) -> bool:
@@ -80,7 +82,7 @@ class CaseResult:
     def to_plain(self) -> dict[str, Any]:
         """Return it as plain data, without its case."""
         names = (one.name for one in fields(self) if one.name != "case")
-        return {name: getattr(self, name) for name in names} | {"kpis": dict(self.kpis)}
+        return {name: getattr(self, name) for name in names} | {"kpis": dict(self.kpis), "cost": dict(self.cost)}
 
 
 def result_of(case: Case, plain: Mapping[str, Any]) -> CaseResult:
@@ -120,23 +122,28 @@ def _scenario(study: Study, case: Case) -> Scenario:
 
 def run_task(task: Task) -> CaseResult:
     """Run the case of a `task`; one that cannot be run says why, and harms no other."""
-    case, scenario = task.case, task.scenario
-    parameters = loop_parameters(scenario)
+    case, scenario, meter = task.case, task.scenario, Meter()
     try:
-        loop = ClosedLoop(parameters, has_adviser=task.has_adviser)
-        record = loop.run()
-        signals = run_signals(record, parameters)
-        _add_bounds(signals, record, scenario)
-        unknown = _add_baseline(signals, task) if task.has_baseline else ""
-        kpis = kpi_set.evaluate_run(signals, scenario.run.transient, scenario.run.duration)
+        with meter.of(START):
+            parameters = loop_parameters(scenario)
+            loop = ClosedLoop(parameters, has_adviser=task.has_adviser)
+        meter.watch(loop)
+        with meter.of(LOOP):
+            record = loop.run()
+        with meter.of(JUDGE):
+            signals = run_signals(record, parameters)
+            _add_bounds(signals, record, scenario)
+            unknown = _add_baseline(signals, task) if task.has_baseline else ""
+            kpis = kpi_set.evaluate_run(signals, scenario.run.transient, scenario.run.duration)
+            minute = silent_minute(record, signals, scenario.run.transient)
     except Exception as error:  # one case that cannot be run must not end the others; it is named in the table
         return CaseResult(case, failure=_in_a_line(error))
     share = _compensating(record, scenario)
     judged = tuple(Judged(criterion, kpis[criterion.kpi]) for criterion in scenario.wanted)
     modes, strain = _time_in_modes(record, scenario), loop.plant.largest_strain
     verdict = Verdict(judged, (), modes, share, strain=strain, loads=signals.load_checks())
-    reason, minute = lost_because(record, scenario, kpis), silent_minute(record, signals, scenario.run.transient)
-    return CaseResult(case, kpis, "", share, reason, tuple(verdict.failures), unknown, tuple(verdict.breaches), minute)
+    reason, (failures, breaches) = lost_because(record, scenario, kpis), (verdict.failures, verdict.breaches)
+    return CaseResult(case, kpis, "", share, reason, tuple(failures), unknown, tuple(breaches), minute, meter.seconds)
 
 
 def _in_a_line(error: Exception) -> str:
