@@ -20,11 +20,12 @@ from heave_node.parameters import ParameterError
 
 from heave_studies.accept.procedure_file import read_head
 from heave_studies.accept.study import WHOLE, Acceptance, Parts
-from heave_studies.answers import acceptance, lift
+from heave_studies.answers import acceptance, lift, promise
 from heave_studies.answers.answer import ANSWERS, Found, answer_of, asked_of, own_keys
 from heave_studies.answers.criteria import as_path
 from heave_studies.lift.plan import read_plan
 from heave_studies.lift.study import Lift
+from heave_studies.promise.study import read_promise
 from heave_studies.study.cases import Cases
 from heave_studies.study.engine import Kind
 from heave_studies.study.study_file import FOLDER, asked_values, find_study, read_study, study_of, with_options
@@ -32,6 +33,7 @@ from heave_studies.study.study_file import FOLDER, asked_values, find_study, rea
 OF_FILES: Mapping[str, tuple[str, ModuleType]] = {
     "phases": ("a lift by phases, compared with a forecast or with its bag", lift),
     "steps": ("an acceptance test of simulated or real parts, or on a record", acceptance),
+    "promise": ("whether the load is never worse than with the winch locked, over random draws", promise),
 }
 """Kinds by a key of their file, with what they ask, and the module that answers."""
 
@@ -85,6 +87,8 @@ def open_study(options: Options) -> Opened:
     keys = as_mapping(parse_yaml(read_given(path)), str(path))
     if "phases" in keys:
         return _lift(options, path)
+    if "promise" in keys:
+        return _promise(options, path)
     return _acceptance(options, path) if "steps" in keys else _cases(options, path)
 
 
@@ -93,7 +97,7 @@ def is_study(path: Path) -> bool:
     if not path.is_file():
         return False
     content = parse_yaml(read_given(path))
-    return isinstance(content, Mapping) and "scenario" in content
+    return isinstance(content, Mapping) and ("scenario" in content or "promise" in content)
 
 
 def _cases(options: Options, path: Path | None) -> Opened:
@@ -117,6 +121,15 @@ def _lift(options: Options, path: Path) -> Opened:
     ask = own_keys(lift.KEYS, {**plan.ask, **asked_values(options.ask)}, str(path))
     known = lift.prepare(plan, ask)
     return Opened(Lift(plan), partial(lift.answer, known), options.folder or options.own_folder)
+
+
+def _promise(options: Options, path: Path) -> Opened:
+    options.refuse("scenario", "settings", "vary", "require", "seeds", "duration", "has_baseline")
+    ask = own_keys(promise.KEYS, asked_values(options.ask), str(path))
+    kind = read_promise(path, ask, options.draws)
+    own = options.own_folder
+    folder = options.folder or own.with_name(f"{own.name}-{kind.seed}")
+    return Opened(kind, partial(promise.answer, kind, ask), folder, {"seed": str(kind.seed)}, description_of(path))
 
 
 def _acceptance(options: Options, path: Path) -> Opened:

@@ -56,7 +56,7 @@ def _verdict(found: Found) -> list[str]:
 
 def _cases(frame: pandas.DataFrame, file: Path) -> str:
     """Return all cases, folded up, with the command that writes the scenario of one."""
-    if FAILURE not in frame:
+    if LOST not in frame:
         return ""
     places = settings_of(frame)
     named = (

@@ -30,7 +30,7 @@ class Bisection:
         return len(cases) + 2 * rounds * len({(case.seed, *_but_height(case)) for case in cases})
 
     def more(self, cases: Sequence[Case], frame: pandas.DataFrame) -> list[More]:
-        """Return the heights in the middle of where limits are known to be."""
+        """Return the heights in the middle of where limits are known to be, by the `frame` of all `cases`."""
         found: list[More] = []
         criteria = with_strengths(frame, self.criteria)
         for rows in alike(frame, HEIGHT):

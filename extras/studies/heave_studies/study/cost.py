@@ -67,7 +67,7 @@ class Meter:
 
 
 def cost_frame(results: Mapping[int, Mapping[str, Any]]) -> pandas.DataFrame:
-    """Return a row for each case of which the cost is known, by part [s]."""
+    """Return a row for each case of which the `results` have the cost, by part [s]."""
     rows = [{CASE: number, **results[number][COST]} for number in sorted(results) if results[number].get(COST)]
     return pandas.DataFrame(rows, columns=[CASE, *PARTS])
 

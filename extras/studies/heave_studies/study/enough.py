@@ -28,8 +28,8 @@ class Until:
     """Seeds until a width (`heave_studies.study.plan.Refinement`)."""
 
     figure: str  # of merit whose mean is wanted, or MET: the share of the seeds that meets all criteria
-    width: float  # of its confidence interval, SI; relative to the mean where `is_relative`
-    is_relative: bool = False
+    width: float  # of its confidence interval, SI, or over the mean
+    is_relative: bool = False  # the width is
     most: int = 64  # seeds of a combination
 
     def size(self, cases: Sequence[Case]) -> int:
@@ -37,7 +37,7 @@ class Until:
         return self.most * len({repr(case.settings) for case in cases})
 
     def more(self, cases: Sequence[Case], frame: pandas.DataFrame) -> list[More]:
-        """Return the seeds that are missing, at most as many again as there are."""
+        """Return the seeds that are missing by the `frame` of all `cases`, at most as many again as there are."""
         found: list[More] = []
         for rows in alike(frame, SEED):
             have, wide = len(rows), self._excess(frame.iloc[rows])
@@ -49,7 +49,7 @@ class Until:
         return found
 
     def words(self, frame: pandas.DataFrame) -> str:
-        """Return whether the width was reached, in a line."""
+        """Return whether the width was reached in a `frame`, in a line."""
         groups = alike(frame, SEED)
         good = sum(self._excess(frame.iloc[rows]) <= 1.0 for rows in groups)
         title = DEFINITION_OF[self.figure].title if self.figure in DEFINITION_OF else "share that meets all criteria"
@@ -81,7 +81,7 @@ def mean_width(values: Array) -> float:
 
 
 def read_until(given: Mapping[str, object], where: str) -> Until:
-    """Return what the key `until` of a study file says; `where` opens the message of a ParameterError."""
+    """Return what is `given` as `until` in a study file; `where` opens the message of a ParameterError."""
     figure, width, most = str(given.get("figure", "")), str(given.get("width", "")), given.get("most", Until.most)
     if figure not in (MET, *DEFINITION_OF):
         raise ParameterError(f"{where}: figure = {figure!r}: must be a figure of merit, or {MET}")

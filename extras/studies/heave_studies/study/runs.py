@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from heave_bags.analyse import kpi_set
@@ -17,18 +17,35 @@ from heave_bringup.run.criteria import BASELINE_LAW, LAW, refuse_unknown
 from heave_bringup.run.loop_signals import run_signals
 from heave_bringup.scenarios import Scenario, load_scenario
 from heave_bringup.stored_scenario import stored_sections, stored_title
+from heave_node import kpi
+from heave_node.interface.alarm import Severity
+from heave_node.numerics.arrays import Array
 from heave_node.parameters import ParameterError
 from heave_node.scenario import sections_text
+from numpy.typing import NDArray
 
 from heave_studies.study.cost import JUDGE, LOOP, START, Meter
 from heave_studies.study.plan import Case, Study
-from heave_studies.study.silent import NO_MINUTE, Minute, silent_minute
 
 BOUND = "kappa"
 """Figure that needs bounds, seconds of work: computed only where a criterion asks for it."""
 
 WITH_THE_END = 0.2
 """Time after compensation ended within which an alarm still counts as its reason [s]."""
+ANNOUNCED = kpi.WORSE_WINDOW
+"""A minute is announced by an alarm that came in it, or within so long before it [s]."""
+LEAST = Severity.MEDIUM
+"""Severity from which on an alarm announces."""
+
+
+class Minute(NamedTuple):
+    """A minute of a run."""
+
+    ratio: float  # s(z) / s(z_off) [-]; NaN: no minute counts
+    start: float = math.nan  # of it [s]
+
+
+NO_MINUTE = Minute(math.nan)
 
 
 @dataclass(frozen=True)
@@ -226,3 +243,34 @@ def lost_because(record: LoopRecord, scenario: Scenario, kpis: Mapping[str, floa
         words = f"compensation ended at {when:.2f} s (mode {record.modes[end]}), {share}"
     alarms = [alarm for at, alarm in record.alarms if at <= when + WITH_THE_END]
     return f"{words}: {alarms[-1]}" if alarms else words
+
+
+def silent_minute(record: LoopRecord, signals: RunSignals, transient: float) -> Minute:
+    """Return the worst minute of a run in which compensation was active throughout and that no alarm announced.
+
+    Parameters
+    ----------
+    record, signals : of the run
+    transient : time before which no minute begins [s]
+    """
+    heave, off = signals.unit_heave, signals.uncompensated_heave
+    starts, ratios = kpi.window_ratios(heave.time, heave.value, off.at(heave), transient, floor=kpi.WORSE_FLOOR)
+    counts = silent(record, starts) & np.isfinite(ratios)
+    if not counts.any():
+        return NO_MINUTE
+    worst = int(np.where(counts, ratios, -1.0).argmax())
+    return Minute(float(ratios[worst]), float(starts[worst]))
+
+
+def silent(record: LoopRecord, starts: Array) -> NDArray[np.bool_]:
+    """Return which minutes of a `record`, by their `starts` [s], were of compensation and not announced, shape (n,)."""
+    time = record.column("time")
+    rests = time[~np.isin(record.modes, COMPENSATES)]
+    loud = np.array([at for at, alarm in record.alarms if alarm.severity >= LEAST])
+
+    def any_in(events: Array, before: float) -> NDArray[np.bool_]:
+        events = np.sort(events)
+        first, after = np.searchsorted(events, [starts - before, starts + kpi.WORSE_WINDOW])
+        return np.asarray(after > first)
+
+    return np.asarray(~any_in(rests, 0.0) & ~any_in(loud, ANNOUNCED))
