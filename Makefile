@@ -50,10 +50,10 @@ validate: $(VENV)/.test-installed  ## the longest tests, and campaigns of six ho
 	$(BIN)/python -m tests.campaigns.sensor_faults
 	$(BIN)/python -m tests.campaigns.fault_matrix --cases 1000 --workers 2
 	$(BIN)/python -m tests.campaigns.seas
-	$(BIN)/python -m tests.campaigns.draws --kind few --draws 64 --told
-	$(BIN)/python -m tests.campaigns.draws --kind stacked --draws 64
-	$(BIN)/python -m tests.campaigns.draws --kind seas --draws 32
-	$(BIN)/python -m tests.campaigns.draws --kind lifts --draws 32
+	$(BIN)/heave study few --draws 64 --ask informed=true
+	$(BIN)/heave study stacked --draws 64
+	$(BIN)/heave study seas --draws 32
+	$(BIN)/heave study lifts --draws 32
 	$(BIN)/python -m tests.campaigns.damaged_bags
 	$(BIN)/python -m tests.campaigns.hostile_files
 	$(BIN)/python -m tests.campaigns.killed_processes

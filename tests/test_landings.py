@@ -7,8 +7,8 @@ import pytest
 from cable_sim_node.parameters import RopePathParameters
 from heave_bringup.closed_loop import ClosedLoop, loop_parameters
 from heave_bringup.scenarios import load_scenario
+from heave_studies.promise.findings import is_suspicion
 
-from tests.campaigns.draws.findings import is_suspicion
 from tests.campaigns.landings import Draw, draw, figures, scenario
 
 SOFT = Draw(1, stiffness=4.0e7 / 1500.0, mass=12e3, length=1500.0, speed=0.3, wave_height=1.0, peak_period=9.0)

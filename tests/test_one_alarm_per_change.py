@@ -8,8 +8,7 @@ from cable_sim_node.winch.choice import make_drive
 from heave_bringup.closed_loop import ClosedLoop, loop_parameters
 from heave_bringup.scenarios import load_scenario
 from heave_node.interface.alarm import alarms_in
-
-from tests.campaigns.draws.findings import blamed_by
+from heave_studies.promise.findings import blamed_by
 
 CHANGED, DURATION = 120.0, 300.0
 """When the winch changes, and end of the run [s]."""

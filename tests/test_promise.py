@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 from heave_bringup.closed_loop import ClosedLoop, loop_parameters
 from heave_bringup.scenarios import load_scenario
+from heave_studies.promise.findings import is_suspicion
 from heave_studies.study.sensitivity import influences
 
 from tests.campaigns import promise
-from tests.campaigns.draws.findings import is_suspicion
 from tests.campaigns.promise import (
     EFFICIENCY,
     LARGEST,

@@ -33,19 +33,20 @@ from heave_bringup.scenarios import load_scenario
 from heave_node.interface.alarm import Alarm, alarms_in
 from heave_node.kpi import WORSE_RATIO, WORSE_WINDOW, window_ratios
 from heave_node.numerics.arrays import Array
+from heave_studies.promise.deviation import TROUBLE
+from heave_studies.promise.findings import blamed_by, changes_in
 from heave_studies.study.sensitivity import FEWEST_CASES, influence_rows, influences
 from heave_studies.study.table import NOMINAL
 from heave_studies.study.workers import FAILURE
 
 from tests.campaigns.commit import commit_line
-from tests.campaigns.draws.findings import blamed_by, changes_in
 
 SCENARIO = "b3_deep_900"
 DURATION = 240.0
 """Duration of a run [s]."""
 
-WINDOW, TROUBLE = WORSE_WINDOW, 30.0
-"""Length of a window that is judged, and time after the beginning of compensation from which on they are [s]."""
+WINDOW = WORSE_WINDOW
+"""Length of a window that is judged [s]."""
 
 LARGEST = WORSE_RATIO
 """Largest standard deviation of the unit over that of the uncompensated one."""

@@ -12,7 +12,6 @@ process. What is named besides the sensor is printed.
 from __future__ import annotations
 
 import argparse
-import math
 import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -21,32 +20,16 @@ import numpy as np
 from heave_bringup.closed_loop import ClosedLoop, LoopRecord, loop_parameters
 from heave_bringup.scenarios import load_scenario
 from heave_node.interface.alarm import alarms_in
+from heave_studies.promise.deviation import GROUPS, LARGEST_LOST, LOST_KINDS, drawn_fault
+from heave_studies.promise.findings import blamed_by
 
 from tests.campaigns.commit import commit_line
-from tests.campaigns.draws.findings import blamed_by
 from tests.campaigns.promise import LARGEST, TROUBLE, worst_window
 
 SCENARIOS = ("b2_calm_300", "b3_deep_900", "b4_limit_900_tp10", "b10_real_mru_swell")
 LAWS = ("mpc", "lqg")
 DURATION = 300.0
 """Duration of a run [s]."""
-
-GROUPS = {
-    "mru": "wave_vessel.mru",
-    "depth": "cable_sim.sensors.depth",
-    "load_cell": "cable_sim.sensors.load_cell",
-    "encoder": "virtual_winch.encoder",
-}
-"""Node and group of each sensor's faults, by the controller's name of it."""
-
-KINDS = ("scale", "scale", "freeze", "jump", "nan", "spike", "gap", "delay", "restart")
-"""A scale error is drawn twice as often: no sample shows it."""
-
-LOST_KINDS, LARGEST_LOST = ("freeze", "nan", "gap", "restart"), 1.2
-"""Kinds that leave nothing to read, and the largest ratio where the winch has to stop."""
-
-NOT_OF = {"encoder": ("gap", "delay", "restart"), "depth": ("restart",), "load_cell": ("restart",)}
-"""Kinds that a sensor cannot have."""
 
 
 @dataclass(frozen=True)
@@ -107,20 +90,6 @@ def draw(number: int) -> Draw:
         duration=0.0 if random.random() < 0.5 else round(float(random.uniform(2.0, 80.0)), 2),
         magnitude=magnitude,
     )
-
-
-def drawn_fault(random: np.random.Generator) -> tuple[str, str, float]:
-    """Return which sensor is at fault, how, and the magnitude of that."""
-    sensor = str(random.choice(list(GROUPS)))
-    kind = str(random.choice([kind for kind in KINDS if kind not in NOT_OF.get(sensor, ())]))
-    sign = -1.0 if random.random() < 0.3 else 1.0
-    magnitude = {
-        "scale": sign * math.exp(random.uniform(math.log(0.3), math.log(3.0))),
-        "jump": sign * random.uniform(0.05, 3.0) * (1e4 if sensor == "load_cell" else 1.0),
-        "spike": sign * random.uniform(0.05, 30.0) * (1e4 if sensor == "load_cell" else 1.0),
-        "delay": random.uniform(0.05, 3.0),
-    }.get(kind, 0.0)
-    return sensor, kind, round(float(magnitude), 3)
 
 
 @dataclass(frozen=True)

@@ -11,6 +11,7 @@ from types import ModuleType
 
 import pandas
 from heave_bringup.replacements import EXTERNAL, parse_replacements
+from heave_bringup.scenarios import description_of
 from heave_bringup.settings import parse_setting
 from heave_devices.adapt.shipped import find_map
 from heave_node.files.bounded_yaml import parse_yaml
@@ -19,11 +20,12 @@ from heave_node.parameters import ParameterError
 
 from heave_studies.accept.procedure_file import read_head
 from heave_studies.accept.study import WHOLE, Acceptance, Parts
-from heave_studies.answers import acceptance, lift
+from heave_studies.answers import acceptance, lift, promise
 from heave_studies.answers.answer import ANSWERS, Found, answer_of, asked_of, own_keys
 from heave_studies.answers.criteria import as_path
 from heave_studies.lift.plan import read_plan
 from heave_studies.lift.study import Lift
+from heave_studies.promise.study import read_promise
 from heave_studies.study.cases import Cases
 from heave_studies.study.engine import Kind
 from heave_studies.study.study_file import FOLDER, asked_values, find_study, read_study, study_of, with_options
@@ -31,6 +33,7 @@ from heave_studies.study.study_file import FOLDER, asked_values, find_study, rea
 OF_FILES: Mapping[str, tuple[str, ModuleType]] = {
     "phases": ("a lift by phases, compared with a forecast or with its bag", lift),
     "steps": ("an acceptance test of simulated or real parts, or on a record", acceptance),
+    "promise": ("whether the load is never worse than with the winch locked, over random draws", promise),
 }
 """Kinds by a key of their file, with what they ask, and the module that answers."""
 
@@ -72,6 +75,7 @@ class Opened:
     answer: Callable[[pandas.DataFrame], Found]  # to its table
     folder: Path  # of what it leaves
     facts: Mapping[str, str] = field(default_factory=dict)  # what identifies it beside the engine's, by name
+    lead: str = ""  # what it asks, in a line
 
 
 def open_study(options: Options) -> Opened:
@@ -83,6 +87,8 @@ def open_study(options: Options) -> Opened:
     keys = as_mapping(parse_yaml(read_given(path)), str(path))
     if "phases" in keys:
         return _lift(options, path)
+    if "promise" in keys:
+        return _promise(options, path)
     return _acceptance(options, path) if "steps" in keys else _cases(options, path)
 
 
@@ -91,7 +97,7 @@ def is_study(path: Path) -> bool:
     if not path.is_file():
         return False
     content = parse_yaml(read_given(path))
-    return isinstance(content, Mapping) and "scenario" in content
+    return isinstance(content, Mapping) and ("scenario" in content or "promise" in content)
 
 
 def _cases(options: Options, path: Path | None) -> Opened:
@@ -105,7 +111,8 @@ def _cases(options: Options, path: Path | None) -> Opened:
         has_baseline=study.has_baseline or options.has_baseline,
     )
     asked = asked_of(study)
-    return Opened(Cases(asked.study), asked.of, options.folder or options.own_folder)
+    lead = f"Scenario {study.scenario}" if path is None else description_of(path)
+    return Opened(Cases(asked.study), asked.of, options.folder or options.own_folder, lead=lead)
 
 
 def _lift(options: Options, path: Path) -> Opened:
@@ -114,6 +121,15 @@ def _lift(options: Options, path: Path) -> Opened:
     ask = own_keys(lift.KEYS, {**plan.ask, **asked_values(options.ask)}, str(path))
     known = lift.prepare(plan, ask)
     return Opened(Lift(plan), partial(lift.answer, known), options.folder or options.own_folder)
+
+
+def _promise(options: Options, path: Path) -> Opened:
+    options.refuse("scenario", "settings", "vary", "require", "seeds", "duration", "has_baseline")
+    ask = own_keys(promise.KEYS, asked_values(options.ask), str(path))
+    kind = read_promise(path, ask, options.draws)
+    own = options.own_folder
+    folder = options.folder or own.with_name(f"{own.name}-{kind.seed}")
+    return Opened(kind, partial(promise.answer, kind, ask), folder, {"seed": str(kind.seed)}, description_of(path))
 
 
 def _acceptance(options: Options, path: Path) -> Opened:

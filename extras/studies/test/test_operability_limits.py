@@ -12,7 +12,6 @@ import pytest
 from heave_bags.analyse import kpi_set
 from heave_bringup.cli import main
 from heave_node.criteria import Criterion
-from heave_studies.answers.criteria import with_strengths
 from heave_studies.operability.exposure import study_situations
 from heave_studies.operability.figures import limit_figure
 from heave_studies.operability.limits import (
@@ -26,6 +25,7 @@ from heave_studies.operability.limits import (
     seed_limit,
     situations,
     too_few_seeds,
+    with_strengths,
 )
 from heave_studies.study import cases as engine
 from heave_studies.study.runs import CaseResult, Task
@@ -207,6 +207,7 @@ def test_the_study_answers_and_answers_another_record_without_running_again(tmp_
         (["--ask", "alpha=none.csv"], "ask: alpha needs record"),
         (["--ask", "windows=0"], "ask: windows = 0: must be numbers above 0"),
         (["--ask", "record=none.csv"], "none.csv: no such file"),
+        (["--ask", "within=0"], "ask: within = 0: must be a width above 0"),
     ],
 )
 def test_what_is_wrong_is_one_line_before_the_first_case(arguments, words, capsys, tmp_path, monkeypatch):
@@ -217,10 +218,26 @@ def test_what_is_wrong_is_one_line_before_the_first_case(arguments, words, capsy
     assert said.count("\n") == 1
 
 
-@pytest.mark.parametrize("study", ["operability", "sizing"])
-def test_a_study_without_criteria_is_refused_before_its_first_case(study, capsys, tmp_path, monkeypatch):
+def test_limits_are_enclosed_by_bisection_in_the_same_waves(tmp_path, monkeypatch, capsys):
+    """The residual is 0.1 m for each metre, times the seed: 0.4 m is reached at 4 and 2 m, locked (x 5) at 0.8 m."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(engine, "run_task", pretended)
+    only = ("--require", "significant_residual_m<=0.4", "--require", "dynamic_amplification<=9", "--ask", "within=0.25")
+    words = [word.replace("b2_calm_300", "b9_model_error") for word in seas(*only)]  # which has no criteria of its own
+    assert main(words) == 0
+    assert "by bisection, enclosed within 0.25 m of Hs in the same waves" in capsys.readouterr().out
+    frame = pandas.read_parquet(tmp_path / "studies" / "operability-b9_model_error" / "table.parquet")
+    for (_, seed), part in frame.groupby([PERIOD, "seed"]):
+        heights = np.sort(part[HEIGHT])
+        for limit in (4.0 / seed, 0.8):
+            near = np.abs(heights - limit)
+            assert np.sort(near)[:2].sum() <= 0.25 + 1e-9 or near.min() < 1e-9
+    assert frame.groupby(PERIOD)["seed"].nunique().eq(2).all()
+
+
+def test_a_study_without_criteria_is_refused_before_its_first_case(capsys, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(engine, "run_task", None)
-    assert main(["study", study, "b9_model_error"]) == 2
+    assert main(["study", "sizing", "b9_model_error"]) == 2
     assert "no criteria: give the study some (wanted), or --require" in capsys.readouterr().err
     assert not list(tmp_path.iterdir())

@@ -11,8 +11,7 @@ from heave_bringup.cli import main
 from heave_bringup.closed_loop import COLUMNS, LoopRecord
 from heave_bringup.scenarios import load_scenario
 from heave_studies.study import cases
-from heave_studies.study.runs import CaseResult, Task
-from heave_studies.study.silent import Minute, silent
+from heave_studies.study.runs import CaseResult, Minute, Task, silent
 from winch_controller_node.interface.alarms import ALARMS
 
 SPACE = """scenario: b1_thesis

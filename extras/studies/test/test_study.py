@@ -2,9 +2,15 @@
 
 from __future__ import annotations
 
+import contextlib
 import io
 import json
 import os
+import random
+import signal
+import subprocess
+import sys
+import time
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import partial
@@ -261,14 +267,92 @@ def test_a_scheduler_that_does_not_answer_is_one_line():
         pass
 
 
-@pytest.mark.long
-def test_workers_of_a_dask_scheduler_give_the_same_numbers(kind):
+@pytest.mark.slow
+def test_a_study_that_is_killed_and_goes_on_with_two_workers_elsewhere_gives_the_same_file(kind):
+    """Killed with its two workers at a random moment after its first result; then run on by a scheduler's two."""
     import distributed  # noqa: PLC0415 - slow
 
-    run_study(kind, Path("here"), processes=1)
+    run_study(kind, Path("whole"), processes=1)
+    command = [sys.executable, "-m", "heave_bringup.cli", "study", "own.yaml", "--processes", "2", "--output", "parts"]
+    study = subprocess.Popen(command, start_new_session=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    journal, table = Path("parts", JOURNAL), Path("parts", TABLE)
+    while study.poll() is None and not (journal.exists() and journal.read_text().count("\n") > 1):
+        time.sleep(0.02)
+    time.sleep(random.uniform(0.0, 2.0))
+    with contextlib.suppress(ProcessLookupError):  # it may have come to its end
+        os.killpg(study.pid, signal.SIGKILL)
+    study.wait()
+    assert journal.exists() or table.exists()
     with distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster:
-        run_study(kind, Path("there"), dask=cluster.scheduler_address)
-    assert Path("there", TABLE).read_bytes() == Path("here", TABLE).read_bytes()
+        run_study(kind, Path("parts"), dask=cluster.scheduler_address)
+    assert table.read_bytes() == Path("whole", TABLE).read_bytes()
+
+
+UNTIL = """
+scenario: b2_calm_300
+duration: 3
+set: {all.transient: 1.0}
+vary: {winch_controller.law: [lqg, mpc]}
+until: {figure: unit_sigma_m, width: 10 %, most: 40}
+"""
+
+
+def scattered(task: Task) -> CaseResult:
+    """Stand for a run whose figure scatters about 1 m: by 1 % under lqg, by 10 % under mpc."""
+    spread = 0.01 if task.case.settings["winch_controller.law"] == "lqg" else 0.1
+    value = 1.0 + spread * float(np.random.default_rng(task.case.seed).standard_normal())
+    kpis = dict.fromkeys(kpi_set.DEFINITION_OF, value) | {"snaps": 0.0, "uncompensated_snaps": 0.0}
+    return CaseResult(task.case, kpis, "", 0.5)
+
+
+def test_seeds_are_added_until_the_interval_of_the_mean_is_narrow(kind, monkeypatch):
+    """Width of Student's interval: 2 t s / sqrt(n), so about (2 * 1.7 * 0.1 / 0.1)^2 = 11 seeds under mpc."""
+    monkeypatch.setattr(cases, "run_task", scattered)
+    Path("own.yaml").write_text(UNTIL)
+    study = read_study(Path("own.yaml"))
+    frame, _ = run_study(Cases(study), Path("out"), processes=1)
+    counts = frame.groupby("winch_controller.law").size().to_dict()
+    assert counts["lqg"] <= 4
+    assert 8 <= counts["mpc"] < 40
+    for _, part in frame.groupby("winch_controller.law"):
+        low, high = stats.t.interval(0.9, len(part) - 1, part["unit_sigma_m"].mean(), stats.sem(part["unit_sigma_m"]))
+        assert high - low <= 0.1 * part["unit_sigma_m"].mean()
+        assert sorted(part["seed"]) == list(range(1, len(part) + 1))
+    assert "at most 10 % of it wide in 2 of 2 combinations" in study.refinement.words(frame)
+    assert len(frame) <= Cases(study).size == 80
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("figure: sgima, width: 1", "figure = 'sgima': must be a figure of merit, or met"),
+        ("figure: met, width: 0 %", "width = '0 %': must be above 0"),
+        ("figure: met, width: 10 %, most: 1", "most = 1: must be a number of seeds"),
+    ],
+)
+def test_what_is_wrong_with_a_width_is_one_line(kind, text, words):
+    Path("own.yaml").write_text(f"scenario: b2_calm_300\nuntil: {{{text}}}\n")
+    with pytest.raises(ParameterError, match=words):
+        read_study(Path("own.yaml"))
+
+
+def test_the_page_has_title_question_criteria_units_and_what_a_case_costs(kind, capsys):
+    Path("own.yaml").write_text("# Which law?\n" + TEXT.replace("mpc]", "lqg]").replace("[6.0, 7.0]", "[6.0]"))
+    assert main(["study", "own.yaml", "--processes", "1", "--json", "own.json"]) == 0
+    page = Path("studies", "own", "page.html").read_text()
+    for words in (
+        "<h1>own</h1>",
+        "Which law?",
+        "<h2>Criteria</h2>",
+        "at most 50 cm",
+        "peak_period [s]",
+        "What a case costs",
+    ):
+        assert words in page, words
+    assert "processor time [s]" in capsys.readouterr().out
+    costs = pandas.read_csv(Path("studies", "own", "cost.csv"))
+    assert (costs[["start", "sea", "plant", "winch", "controller", "adviser"]] > 0.0).all(axis=None)
+    assert set(json.loads(Path("own.json").read_text())["cost_s"]) == {*costs.columns[1:], "all"}
 
 
 def test_the_time_to_go_is_told_in_the_unit_of_a_person():

@@ -5,11 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
+from heave_studies.promise.cases import LAWS, Case, _with
+from heave_studies.promise.deviation import Chance, Row
+from heave_studies.promise.table import DEVIATIONS
 
-from tests.campaigns.draws.cases import LAWS, Case, _with
-from tests.campaigns.draws.chance import Chance
-from tests.campaigns.draws.deviation import Row
-from tests.campaigns.draws.table import DEVIATIONS
 from tests.campaigns.fault_matrix.faults import KINDS, Fault, drawn
 from tests.campaigns.fault_matrix.moments import MOMENTS, Moment, depth_of
 

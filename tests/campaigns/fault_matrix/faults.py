@@ -7,8 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from heave_node.interface.fault_kinds import faults_of
-
-from tests.campaigns.draws.chance import Chance
+from heave_studies.promise.deviation import Chance
 
 ALWAYS, MOVING, FASTER, RESTING, NEVER = "always", "moving", "faster", "resting", "never"
 """When a fault shows: at once; once the drum has moved, or was to move; once it was to move faster than it still can;

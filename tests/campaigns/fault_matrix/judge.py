@@ -10,8 +10,8 @@ import numpy as np
 from heave_node.interface.alarm import Severity
 from heave_node.kpi import WORSE_FLOOR
 from heave_node.numerics.arrays import Array
+from heave_studies.promise.findings import NO_BLAME, PARTS, blamed_by
 
-from tests.campaigns.draws.findings import NO_BLAME, PARTS, blamed_by
 from tests.campaigns.fault_matrix.moments import Asked
 
 MINUTE = 60.0

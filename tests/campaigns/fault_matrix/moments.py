@@ -11,9 +11,8 @@ from cable_sim_node.alarms import fault_alarm
 from heave_bringup.closed_loop import COLUMNS, ClosedLoop, LoopRecord, loop_parameters
 from heave_bringup.scenarios import Scenario
 from heave_node.interface.codes import WinchFault
+from heave_studies.promise.deviation import Chance, Settings
 
-from tests.campaigns.draws.chance import Chance
-from tests.campaigns.draws.deviation import Settings
 from tests.campaigns.fault_matrix.wires import Wires
 
 LIFTS = ("b2_calm_300", "b3_deep_900", "b4_limit_900_tp10", "b10_real_mru_swell", "unit_1500")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import html
 import math
 from collections.abc import Mapping
 from dataclasses import asdict
@@ -14,6 +15,7 @@ from heave_bringup.output import Part, make_table
 from heave_node.parameters import ParameterError
 
 from heave_studies.answers.answer import Ask, Found
+from heave_studies.answers.criteria import criteria_of_cases
 from heave_studies.study.case_file import CASE
 from heave_studies.study.plan import Study
 from heave_studies.study.sampling import SALTELLI
@@ -45,7 +47,7 @@ def answer(study: Study, frame: pandas.DataFrame, ask: Ask, /) -> Found:
     judged = int(good[figure].notna().sum()) if study.search else len(good)
     parts: list[Part] = [case_table(frame), *(["\n".join(lines)] if (lines := remarks(frame)) else [])]
     head, rows = summary_rows(frame)
-    body = ["<h2>Summary</h2>", table(head, rows, texts=1, last_is_text=True)]
+    body = [criteria_of_cases(study), "<h2>Summary</h2>", table(head, rows, texts=1, last_is_text=True)]
     data = to_json(frame)
     if study.draws is not None and not study.search and len(good) >= FEWEST_CASES and figure in DEFINITION_OF:
         what = influences(frame, figure)
@@ -62,6 +64,10 @@ def answer(study: Study, frame: pandas.DataFrame, ask: Ask, /) -> Found:
             data["sobol"] = found
     worst, failures = _worst(study, good, figure if study.search else MOTION)
     parts += [summary_table(frame), *left_out(frame), *worst]
+    if study.refinement is not None:
+        words = study.refinement.words(frame)
+        parts.append(words)
+        body.append(f"<p>{html.escape(words)}</p>")
     return Found(parts, data, body, failures=failures, judged=judged)
 
 

@@ -5,14 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-import pandas
 from heave_bags.analyse.kpi_set import DEFINITION_OF
 from heave_bags.analyse.verdict import required_words
 from heave_bags.report.parts import table
 from heave_bringup.run.criteria import refuse_unknown
 from heave_bringup.scenarios import Scenario, load_scenario
 from heave_node.criteria import Criterion
-from heave_node.loads.strength import FACTORS, LEAST
 from heave_node.parameters import ParameterError
 
 from heave_studies.operability.limits import HEIGHT, PERIOD
@@ -50,23 +48,22 @@ def criteria_of(study: Study, without: Sequence[str] = ()) -> list[Criterion]:
     return found
 
 
-def with_strengths(frame: pandas.DataFrame, criteria: Sequence[Criterion]) -> list[Criterion]:
-    """Return `criteria`, and beside them that no part carries more than it can, where its strength is stated.
-
-    Parameters
-    ----------
-    frame : table of the cases, with the safety factors as figures of merit
-    criteria : of the study; one on a safety factor stays as it is
-    """
-    chosen = {criterion.kpi for criterion in criteria}
-    stated = [key for key in FACTORS if key in frame and (frame[key] > 0.0).any()]
-    return [*criteria, *(Criterion(key, ">=", LEAST) for key in stated if key not in chosen)]
-
-
 def criteria_table(criteria: Sequence[Criterion]) -> str:
     """Return the `criteria` of a study as HTML, under a heading."""
     rows = [[DEFINITION_OF[criterion.kpi].title, required_words(criterion)] for criterion in criteria]
-    return f"<h2>Criteria</h2>{table(['figure of merit', 'required'], rows, texts=2)}"
+    return f"<h2>Criteria</h2>{table(['figure of merit', 'required'], rows or [['none', '-']], texts=2)}"
+
+
+def criteria_of_cases(study: Study) -> str:
+    """Return the criteria that the cases of a `study` are judged by as HTML: those of each scenario that they have."""
+    firsts = {study.scenario_of(case): case for case in study.cases()}
+    found = {name: load_scenario(name, settings=study.settings_of(case)).wanted for name, case in firsts.items()}
+    if len({repr(one) for one in found.values()}) == 1:
+        return criteria_table(next(iter(found.values())))
+    rows = [
+        [Path(name).stem, DEFINITION_OF[one.kpi].title, required_words(one)] for name in found for one in found[name]
+    ]
+    return f"<h2>Criteria</h2>{table(['scenario', 'figure of merit', 'required'], rows, texts=3)}"
 
 
 def as_path(value: object) -> Path | None:

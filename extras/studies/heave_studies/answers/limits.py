@@ -5,6 +5,7 @@ from __future__ import annotations
 import html
 import math
 from collections.abc import Hashable, Mapping, Sequence
+from dataclasses import replace
 from types import MappingProxyType
 from typing import Any
 
@@ -17,18 +18,22 @@ from heave_bringup.run.criteria import BASELINE_LAW, LAW
 from heave_node.parameters import ParameterError
 
 from heave_studies.answers.answer import Ask, Found
-from heave_studies.answers.criteria import as_path, check_seas, criteria_of, criteria_table, with_strengths
+from heave_studies.answers.criteria import as_path, check_seas, criteria_of, criteria_table
+from heave_studies.operability.bisection import Bisection
 from heave_studies.operability.exposure import Exposure, Place, Situation, exposure_json, study_situations
 from heave_studies.operability.figures import limit_figure, month_figure
-from heave_studies.operability.limits import interval, limit_words, title_of, too_few_seeds
+from heave_studies.operability.limits import HEIGHT, interval, limit_words, title_of, too_few_seeds, with_strengths
 from heave_studies.operability.record import SeaRecord, read_record
 from heave_studies.operability.windows import ALL, read_alpha
 from heave_studies.sizing.sheets import number
-from heave_studies.study.plan import Study
+from heave_studies.study.plan import Study, unlinked
 from heave_studies.study.workers import FAILURE
 
-KEYS: Mapping[str, object] = MappingProxyType({"record": None, "windows": [6.0, 12.0, 24.0], "alpha": None})
-"""Seas of the site (a file), lengths of weather windows [h], alpha factors (a file)."""
+KEYS: Mapping[str, object] = MappingProxyType(
+    {"within": None, "record": None, "windows": [6.0, 12.0, 24.0], "alpha": None}
+)
+"""Width within which bisection is to enclose each limit [m] (none: the grid alone), seas of the site (a file), lengths
+of weather windows [h], alpha factors (a file)."""
 
 FOOTER = """The limit of each seed is where a figure of merit, linear between the heights that were run, reaches its
 bound. Workable seas below the smallest height are counted with a figure that is linear from a calm sea on. Waiting
@@ -39,7 +44,16 @@ def prepare(study: Study, ask: Ask, /) -> Study:
     """See `heave_studies.answers.answer.Answer`."""
     check_seas(study)
     _place(ask)
-    return study
+    if ask["within"] is None:
+        return study
+    within = float(str(ask["within"]))
+    if not within > 0.0:
+        raise ParameterError(f"ask: within = {within:g}: must be a width above 0 [m]")
+    if study.refinement is not None:
+        raise ParameterError(f"{study.path}: until: a study whose limits are bisected has the seeds that it states")
+    if any(HEIGHT in link and len(unlinked(dict.fromkeys(link))) > 1 for link in study.vary):
+        raise ParameterError(f"{study.path}: vary: {HEIGHT} must stand alone where its limit is bisected")
+    return replace(study, refinement=Bisection(tuple(criteria_of(study)), within))
 
 
 def _place(ask: Ask) -> Place | None:
@@ -67,6 +81,7 @@ def answer(study: Study, frame: pandas.DataFrame, ask: Ask, /) -> Found:
         body += _section(one, place, drawn)
     remarks = [] if place is None or place.record.has_order else [no_windows(place.record)]
     remarks += [few] if few else []
+    remarks += [study.refinement.words(frame)] if study.refinement is not None else []
     if LAW not in frame:
         remarks.append(f"left out: the limits under law {BASELINE_LAW} (--vary {LAW}=mpc,{BASELINE_LAW})")
     data = {

@@ -9,31 +9,39 @@ from pathlib import Path
 import pandas
 from heave_bags.report.parts import notice, table
 from heave_bags.report.report import render_page, unbroken
+from heave_bringup.nodes import NODES
+from heave_node.parameters import describe
+from heave_node.system_parameters import SYSTEM, own_name
 
 from heave_studies.answers.answer import Found
 from heave_studies.study.case_file import CASE
+from heave_studies.study.cost import HEAD, cost_rows
 from heave_studies.study.table import LOST, MISSED, REASON, SEED, settings_of
 from heave_studies.study.workers import FAILURE
 
-FOOTER = "SI units. For a PDF, print this page."
+FOOTER = "For a PDF, print this page."
 MOST_CASES = 2000
 """Cases that the page lists; the table has all."""
 
 
-def render(title: str, found: Found, frame: pandas.DataFrame, table_file: Path, about: Mapping[str, str]) -> str:
+def render(
+    title: str, lead: str, found: Found, frame: pandas.DataFrame, table_file: Path, about: Mapping[str, str]
+) -> str:
     """Return the page of a study as HTML.
 
     Parameters
     ----------
-    title : of the study
+    title, lead : of the study, and what it asks
     found : its answer
     frame, table_file : its table, and where that is
     about : where the numbers come from, by name
     """
-    head = [f"<h1>{html.escape(title)}</h1>", *_verdict(found)]
+    head = [f"<h1>{html.escape(title)}</h1>", f'<p class="lead">{html.escape(lead)}</p>' if lead else ""]
     facts = table(["", ""], ([name, value] for name, value in about.items()), texts=2)
     whence = f"<details><summary>Where these numbers come from</summary>{facts}</details>"
-    body = [*head, *found.body, _cases(frame, table_file), whence]
+    cost = cost_rows(table_file.parent)
+    what = f"<details><summary>What a case costs</summary>{table(HEAD, cost, texts=1)}</details>" if cost else ""
+    body = [*head, *_verdict(found), *found.body, _cases(frame, table_file), what, whence]
     return render_page(title, "\n".join(body), list(found.figures), footer=f"{found.footer} {FOOTER}".strip())
 
 
@@ -48,10 +56,13 @@ def _verdict(found: Found) -> list[str]:
 
 def _cases(frame: pandas.DataFrame, file: Path) -> str:
     """Return all cases, folded up, with the command that writes the scenario of one."""
-    if FAILURE not in frame:
+    if LOST not in frame:
         return ""
     places = settings_of(frame)
-    head = ["case", "seed", *(place.rsplit(".", 1)[-1] for place in places), "unit [cm]", "off [cm]", "remark"]
+    named = (
+        f"{place.rsplit('.', 1)[-1]} {f'[{unit}]' if (unit := unit_of(place)) else ''}".strip() for place in places
+    )
+    head = ["case", "seed", *named, "load heave, rms [cm]", "winch locked, rms [cm]", "remark"]
     rows = []
     for row in frame.head(MOST_CASES).to_dict("records"):
         lost = f"lost: {row[REASON]}" if row[LOST] else row[MISSED]
@@ -63,3 +74,14 @@ def _cases(frame: pandas.DataFrame, file: Path) -> str:
     how = f"<p>The scenario of a case, for a run over ROS: <code>{line}</code></p>"
     cells = table(head, rows, texts=1, last_is_text=True)
     return f"<details><summary>{len(rows)} of {len(frame)} cases</summary>{how}{cells}</details>"
+
+
+def unit_of(place: str) -> str:
+    """Return the unit of the parameter at a `place`, such as system.sea.peak_period; empty: it has none."""
+    target, _, name = place.partition(".")
+    for node in NODES:
+        own = own_name(node.name, place) if place.startswith(SYSTEM) else name if node.name == target else ""
+        for info in describe(node.parameters_type()) if own else ():
+            if info.name == own:
+                return info.unit
+    return ""

@@ -25,9 +25,8 @@ from heave_studies.answers.criteria import (
     criteria_of,
     criteria_table,
     first_scenario,
-    with_strengths,
 )
-from heave_studies.operability.limits import FEWEST_SEEDS
+from heave_studies.operability.limits import FEWEST_SEEDS, with_strengths
 from heave_studies.operability.record import SeaRecord, read_record
 from heave_studies.sizing.candidates import PARTICULARS, as_link, candidates, own_winch
 from heave_studies.sizing.figures import sweep_figure

@@ -64,6 +64,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--ask", action="append", default=[], metavar="KEY=VALUE", help="an option of the study (--list); repeatable"
     )
+    parser.add_argument("--forecast", metavar="FILE", help="the seas to come (time, hs, tp): when the lift can go")
     parser.add_argument("--baseline", action="store_true", help=f"also show {SAME_SEA}; each case is then run twice")
     parser.add_argument(
         "--output",
@@ -95,10 +96,11 @@ def execute(options: argparse.Namespace) -> None:
 def _run(options: argparse.Namespace) -> None:
     from heave_bags.report.paper import find_browser, save_pdf
     from heave_bringup.errors import CommandError, VerdictError
-    from heave_bringup.output import write_result
+    from heave_bringup.output import make_table, write_result
 
     from heave_studies.answers.page import render
     from heave_studies.kinds import Options, open_study
+    from heave_studies.study.cost import HEAD, cost_rows
     from heave_studies.study.engine import CSV, PAGE, PDF, TABLE, run_study
 
     for name in ("processes", "draws", "seeds"):
@@ -114,7 +116,7 @@ def _run(options: argparse.Namespace) -> None:
             options.set,
             options.vary,
             options.require,
-            options.ask,
+            [*options.ask, *([f"forecast={options.forecast}"] if options.forecast else [])],
             options.seeds,
             options.draws,
             options.duration,
@@ -130,15 +132,18 @@ def _run(options: argparse.Namespace) -> None:
     unseen = [name for name in ("scenario", "files", "detail") if name in frame]
     frame.drop(columns=unseen).to_csv(folder / CSV, index=False)
     found = opened.answer(frame)
-    page = render(opened.kind.name, found, frame, folder / TABLE, {**about, **opened.facts})
+    page = render(opened.kind.name, opened.lead, found, frame, folder / TABLE, {**about, **opened.facts})
     (folder / PAGE).write_text(page, encoding="utf-8")
     if options.pdf:
         save_pdf(folder / PAGE, folder / PDF)
     names = (("table", TABLE), ("csv", CSV), ("page", PAGE), *([("pdf", PDF)] if options.pdf else []))
     files = {name: str(folder / file) for name, file in names}
     places = "\n".join(f"{name:<9} {path}" for name, path in files.items())
+    cost = cost_rows(folder)
     result = {"study": opened.kind.name, **found.data, "judged": found.judged, **files}
-    write_result(options, [*found.parts, places], result)
+    result["cost_s"] = {name: float(seconds) for name, seconds, _ in cost}
+    parts = [*found.parts, *([make_table(HEAD, cost)] if cost else []), places]
+    write_result(options, parts, result)
     if not found.judged:
         raise CommandError(f"nothing was judged in {len(frame)} cases{_why(frame)}")
     if found.failures:

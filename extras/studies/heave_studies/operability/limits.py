@@ -16,7 +16,7 @@ import numpy as np
 import pandas
 from heave_bags.analyse.kpi_set import DEFINITION_OF
 from heave_node.criteria import Criterion
-from heave_node.loads.strength import FACTORS, ROPE
+from heave_node.loads.strength import FACTORS, LEAST, ROPE
 from heave_node.numerics.arrays import Array
 from scipy import stats
 
@@ -86,6 +86,19 @@ def _name(places: Sequence[str], part: pandas.DataFrame) -> str:
         shown = f"{math.degrees(value):.0f} deg" if is_angle else f"{value:g}" if isinstance(value, float) else value
         words.append(f"{place.rsplit('.', 1)[-1]} {shown}")
     return ", ".join(words)
+
+
+def with_strengths(frame: pandas.DataFrame, criteria: Sequence[Criterion]) -> list[Criterion]:
+    """Return `criteria`, and beside them that no part carries more than it can, where its strength is stated.
+
+    Parameters
+    ----------
+    frame : table of the cases, with the safety factors as figures of merit
+    criteria : of the study; one on a safety factor stays as it is
+    """
+    chosen = {criterion.kpi for criterion in criteria}
+    stated = [key for key in FACTORS if key in frame and (frame[key] > 0.0).any()]
+    return [*criteria, *(Criterion(key, ">=", LEAST) for key in stated if key not in chosen)]
 
 
 def limit_curve(frame: pandas.DataFrame, criteria: Sequence[Criterion], *, locked: bool = False) -> pandas.DataFrame:

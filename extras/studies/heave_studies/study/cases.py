@@ -45,7 +45,10 @@ class Cases:
     @property
     def size(self) -> int:
         """Number of cases, at most."""
-        return len(self._first) if self.study.search is None else self.study.search.runs
+        if self.study.search is not None:
+            return self.study.search.runs
+        refinement = self.study.refinement
+        return len(self._first) if refinement is None else refinement.size([task.case for task in self._first])
 
     @cached_property
     def files(self) -> Mapping[str, KeptFile]:
@@ -55,9 +58,8 @@ class Cases:
     @property
     def identity(self) -> str:
         """What identifies the results: every value of every case, and the files that they read."""
-        digest = hashlib.sha256(
-            repr((self.study.search, self.study.draws, self.study.has_baseline, self.study.has_adviser)).encode()
-        )
+        of = self.study
+        digest = hashlib.sha256(repr((of.search, of.draws, of.refinement, of.has_baseline, of.has_adviser)).encode())
         for task in self._first:
             digest.update(task.text.encode())
         for file in self.files.values():
@@ -65,10 +67,14 @@ class Cases:
         return digest.hexdigest()
 
     def rounds(self, results: Mapping[int, Plain]) -> Iterator[list[Job]]:
-        """Yield the jobs, those of a search generation after generation, each when the last one is in `results`."""
+        """Yield the jobs; those of a refinement or a search round by round, each when the last is in `results`."""
         self._tasks = list(self._first)
         if self.study.search is None:
-            yield [_job(task) for task in self._tasks]
+            new = self._tasks
+            while new:
+                yield [_job(task) for task in new]
+                new = self._refined(results)
+                self._tasks = [*self._tasks, *new]
             return
         draws, wanted = self.study.draws, self.study.search
         assert draws is not None
@@ -86,6 +92,14 @@ class Cases:
             else:
                 last = self._tasks
             yield [_job(task) for task in last]
+
+    def _refined(self, results: Mapping[int, Plain]) -> list[Task]:
+        """Return the further cases that the `results` so far ask for."""
+        if self.study.refinement is None:
+            return []
+        cases = [task.case for task in self._tasks]
+        asked = self.study.refinement.more(cases, self.frame(results))
+        return make_tasks(self.study, [Case(len(cases) + n, *more) for n, more in enumerate(asked, 1)])
 
     def frame(self, results: Mapping[int, Plain]) -> pandas.DataFrame:
         """Return a row for each case, from their `results`."""

@@ -15,6 +15,7 @@ from heave_bags.record.provenance import git_commit, versions
 from heave_bringup.progress import ProgressLine, time_to_go
 
 from heave_studies.study.case_file import check_can_write, read_cases, write_cases
+from heave_studies.study.cost import write_cost
 from heave_studies.study.journal import Journal, refuse_other
 from heave_studies.study.kept_files import KeptFile
 from heave_studies.study.workers import FAILURE, Job, Plain, Run, workers
@@ -87,6 +88,7 @@ def run_study(
         results = dict(journal.results)
         with _saying_what_is_kept(journal, results), workers(processes, dask) as run:
             frame = _completed(kind, run, journal, results)
+        write_cost(results, folder)
         write_cases(frame, table, about, kind.files.values())
         journal.remove()
     return read_cases(table)

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import Protocol
 
+import pandas
 from heave_bringup.settings import Setting, make_setting
 from heave_node.scenario import WILDCARD
 
@@ -44,6 +46,23 @@ class Case:
         return f"seed={self.seed} {' '.join(differences)}".strip()
 
 
+More = tuple[int, Mapping[str, object]]
+"""A further case: its seed, and its settings by place."""
+
+
+class Refinement(Protocol):
+    """What further cases the table so far asks for."""
+
+    def size(self, cases: Sequence[Case], /) -> int:
+        """Return the number of cases, at most, of which the first `cases` are some."""
+
+    def more(self, cases: Sequence[Case], frame: pandas.DataFrame, /) -> list[More]:
+        """Return further cases by the `frame` of all `cases` so far, in their order; empty: it is enough."""
+
+    def words(self, frame: pandas.DataFrame, /) -> str:
+        """Return what came of it by the `frame` of all cases, in a line."""
+
+
 @dataclass(frozen=True)
 class Search:
     """A search for the worst case in the space of the draws, which are its first generation."""
@@ -72,6 +91,7 @@ class Study:
     has_baseline: bool = False  # whether each case runs under the baseline law as well
     has_adviser: bool = True  # whether the adviser takes part
     search: Search | None = None  # for the worst case; None: cases are as stated
+    refinement: Refinement | None = None  # adds cases round by round; None: cases are as stated
     ask: Mapping[str, object] = field(default_factory=dict)  # what is made of the cases: `answer`, and its own keys
     duration_source: str = ""  # option that set the duration in the place of the file
 

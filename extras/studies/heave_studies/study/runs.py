@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from heave_bags.analyse import kpi_set
@@ -17,17 +17,35 @@ from heave_bringup.run.criteria import BASELINE_LAW, LAW, refuse_unknown
 from heave_bringup.run.loop_signals import run_signals
 from heave_bringup.scenarios import Scenario, load_scenario
 from heave_bringup.stored_scenario import stored_sections, stored_title
+from heave_node import kpi
+from heave_node.interface.alarm import Severity
+from heave_node.numerics.arrays import Array
 from heave_node.parameters import ParameterError
 from heave_node.scenario import sections_text
+from numpy.typing import NDArray
 
+from heave_studies.study.cost import JUDGE, LOOP, START, Meter
 from heave_studies.study.plan import Case, Study
-from heave_studies.study.silent import NO_MINUTE, Minute, silent_minute
 
 BOUND = "kappa"
 """Figure that needs bounds, seconds of work: computed only where a criterion asks for it."""
 
 WITH_THE_END = 0.2
 """Time after compensation ended within which an alarm still counts as its reason [s]."""
+ANNOUNCED = kpi.WORSE_WINDOW
+"""A minute is announced by an alarm that came in it, or within so long before it [s]."""
+LEAST = Severity.MEDIUM
+"""Severity from which on an alarm announces."""
+
+
+class Minute(NamedTuple):
+    """A minute of a run."""
+
+    ratio: float  # s(z) / s(z_off) [-]; NaN: no minute counts
+    start: float = math.nan  # of it [s]
+
+
+NO_MINUTE = Minute(math.nan)
 
 
 @dataclass(frozen=True)
@@ -71,6 +89,7 @@ class CaseResult:
     # those of `missed` that fail any run, see `heave_bags.analyse.verdict.Verdict.breaches`
     breaches: tuple[str, ...] = ()
     minute: Minute = NO_MINUTE  # the worst minute that no alarm announced
+    cost: Mapping[str, float] = field(default_factory=dict)  # processor time by part [s]
 
     @property
     def is_lost(self) -> bool:
@@ -80,7 +99,7 @@ class CaseResult:
     def to_plain(self) -> dict[str, Any]:
         """Return it as plain data, without its case."""
         names = (one.name for one in fields(self) if one.name != "case")
-        return {name: getattr(self, name) for name in names} | {"kpis": dict(self.kpis)}
+        return {name: getattr(self, name) for name in names} | {"kpis": dict(self.kpis), "cost": dict(self.cost)}
 
 
 def result_of(case: Case, plain: Mapping[str, Any]) -> CaseResult:
@@ -120,23 +139,28 @@ def _scenario(study: Study, case: Case) -> Scenario:
 
 def run_task(task: Task) -> CaseResult:
     """Run the case of a `task`; one that cannot be run says why, and harms no other."""
-    case, scenario = task.case, task.scenario
-    parameters = loop_parameters(scenario)
+    case, scenario, meter = task.case, task.scenario, Meter()
     try:
-        loop = ClosedLoop(parameters, has_adviser=task.has_adviser)
-        record = loop.run()
-        signals = run_signals(record, parameters)
-        _add_bounds(signals, record, scenario)
-        unknown = _add_baseline(signals, task) if task.has_baseline else ""
-        kpis = kpi_set.evaluate_run(signals, scenario.run.transient, scenario.run.duration)
+        with meter.of(START):
+            parameters = loop_parameters(scenario)
+            loop = ClosedLoop(parameters, has_adviser=task.has_adviser)
+        meter.watch(loop)
+        with meter.of(LOOP):
+            record = loop.run()
+        with meter.of(JUDGE):
+            signals = run_signals(record, parameters)
+            _add_bounds(signals, record, scenario)
+            unknown = _add_baseline(signals, task) if task.has_baseline else ""
+            kpis = kpi_set.evaluate_run(signals, scenario.run.transient, scenario.run.duration)
+            minute = silent_minute(record, signals, scenario.run.transient)
     except Exception as error:  # one case that cannot be run must not end the others; it is named in the table
         return CaseResult(case, failure=_in_a_line(error))
     share = _compensating(record, scenario)
     judged = tuple(Judged(criterion, kpis[criterion.kpi]) for criterion in scenario.wanted)
     modes, strain = _time_in_modes(record, scenario), loop.plant.largest_strain
     verdict = Verdict(judged, (), modes, share, strain=strain, loads=signals.load_checks())
-    reason, minute = lost_because(record, scenario, kpis), silent_minute(record, signals, scenario.run.transient)
-    return CaseResult(case, kpis, "", share, reason, tuple(verdict.failures), unknown, tuple(verdict.breaches), minute)
+    reason, (failures, breaches) = lost_because(record, scenario, kpis), (verdict.failures, verdict.breaches)
+    return CaseResult(case, kpis, "", share, reason, tuple(failures), unknown, tuple(breaches), minute, meter.seconds)
 
 
 def _in_a_line(error: Exception) -> str:
@@ -219,3 +243,34 @@ def lost_because(record: LoopRecord, scenario: Scenario, kpis: Mapping[str, floa
         words = f"compensation ended at {when:.2f} s (mode {record.modes[end]}), {share}"
     alarms = [alarm for at, alarm in record.alarms if at <= when + WITH_THE_END]
     return f"{words}: {alarms[-1]}" if alarms else words
+
+
+def silent_minute(record: LoopRecord, signals: RunSignals, transient: float) -> Minute:
+    """Return the worst minute of a run in which compensation was active throughout and that no alarm announced.
+
+    Parameters
+    ----------
+    record, signals : of the run
+    transient : time before which no minute begins [s]
+    """
+    heave, off = signals.unit_heave, signals.uncompensated_heave
+    starts, ratios = kpi.window_ratios(heave.time, heave.value, off.at(heave), transient, floor=kpi.WORSE_FLOOR)
+    counts = silent(record, starts) & np.isfinite(ratios)
+    if not counts.any():
+        return NO_MINUTE
+    worst = int(np.where(counts, ratios, -1.0).argmax())
+    return Minute(float(ratios[worst]), float(starts[worst]))
+
+
+def silent(record: LoopRecord, starts: Array) -> NDArray[np.bool_]:
+    """Return which minutes of a `record`, by their `starts` [s], were of compensation and not announced, shape (n,)."""
+    time = record.column("time")
+    rests = time[~np.isin(record.modes, COMPENSATES)]
+    loud = np.array([at for at, alarm in record.alarms if alarm.severity >= LEAST])
+
+    def any_in(events: Array, before: float) -> NDArray[np.bool_]:
+        events = np.sort(events)
+        first, after = np.searchsorted(events, [starts - before, starts + kpi.WORSE_WINDOW])
+        return np.asarray(after > first)
+
+    return np.asarray(~any_in(rests, 0.0) & ~any_in(loud, ANNOUNCED))

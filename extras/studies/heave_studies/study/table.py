@@ -74,6 +74,16 @@ def settings_of(frame: pandas.DataFrame) -> list[str]:
     return [name for name in frame.columns if name not in known]
 
 
+def alike(frame: pandas.DataFrame, *but_for: str) -> list[list[int]]:
+    """Return the rows of a `frame` that have the same settings `but_for` some columns, nominal ones left out."""
+    columns = [name for name in (SEED, *settings_of(frame)) if name not in but_for]
+    groups: dict[tuple[str, ...], list[int]] = {}
+    for place, row in enumerate(frame[[NOMINAL, *columns]].to_dict("records")):
+        if not row[NOMINAL]:
+            groups.setdefault(tuple(str(row[name]) for name in columns), []).append(place)
+    return list(groups.values())
+
+
 def _row(task: Task, result: CaseResult, files: Mapping[str, KeptFile]) -> dict[str, object]:
     case = result.case
     read = {path: files[path].digest for path in named_files(task.scenario) if path in files}

@@ -1,25 +1,177 @@
 """The table of what can differ from the nominal: winch, encoder, cable and unit, MRU, depth sensor, faults, sea.
 
 A row draws one deviation. Its settings are of the simulated ship; what an informed controller would get of them, if
-it has a parameter for that, stands beside them.
+it has a parameter for that, stands beside them. Seas are those there are and in which one lifts.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
 
-from tests.campaigns.draws.chance import Chance
-from tests.campaigns.draws.deviation import BELIEF, Deviation, Drawing, Fault, Nominal, Row, Settings
-from tests.campaigns.draws.seas import SEAS
-from tests.campaigns.promise import NOISES, TROUBLE
-from tests.campaigns.sensor_faults import GROUPS, drawn_fault
+from heave_node.numerics.constants import STANDARD_GRAVITY
+
+from heave_studies.promise.deviation import (
+    BELIEF,
+    GROUPS,
+    TROUBLE,
+    Chance,
+    Deviation,
+    Drawing,
+    Fault,
+    Nominal,
+    Row,
+    Settings,
+    drawn_fault,
+)
+
+STEEPEST, FLATTEST = (8.0, 1.0 / 15.0), (15.0, 1.0 / 25.0)
+"""Peak period [s] up to which, and from which on, a sea is at most so steep, 2 pi Hs / (g Tp^2): DNV-RP-C205, 3.5.5."""
+
+HIGHEST, LOWEST = 4.5, 0.3
+"""Significant wave heights in which one lifts, and below which nothing moves [m]."""
+
+
+def highest(period: float) -> float:
+    """Return the significant height [m] of the steepest sea of a peak `period` [s]."""
+    (short, steep), (long, flat) = STEEPEST, FLATTEST
+    share = min(max((period - short) / (long - short), 0.0), 1.0)
+    return (steep + share * (flat - steep)) * STANDARD_GRAVITY * period**2 / (2.0 * math.pi)
+
+
+def sea_of(chance: Chance) -> tuple[float, float]:
+    """Return significant height [m] and peak period [s] of a sea that `chance` draws: one in which one lifts."""
+    period = chance.between(4.0, 16.0)
+    return chance.spread(LOWEST, min(highest(period), HIGHEST)), period
+
+
+def _other_sea(chance: Chance, _: Nominal) -> Deviation:
+    height, period = sea_of(chance)
+    values = {"significant_wave_height": height, "peak_period": period}
+    return Deviation(
+        "",
+        {f"wave_vessel.{name}": value for name, value in values.items()},
+        {f"{BELIEF}.sea.{name}": value for name, value in values.items()},
+    )
+
+
+def _swell(chance: Chance, nominal: Nominal) -> Deviation:
+    """Draw a swell beside the wind sea of the scenario."""
+    values = {
+        "spectrum": "ochi_hubble",
+        "significant_wave_height": nominal.height,
+        "peak_period": nominal.period,
+        "swell.significant_wave_height": chance.between(0.5, 2.0),
+        "swell.peak_period": chance.between(max(11.0, 1.3 * nominal.period), 19.0),
+    }
+    told = {f"{BELIEF}.sea.{name}": value for name, value in values.items()}
+    return Deviation(
+        "",
+        {f"wave_vessel.{name}": value for name, value in values.items()},
+        {**told, f"{BELIEF}.sea.filter_states": 10},
+    )
+
+
+def _peaked(chance: Chance, nominal: Nominal) -> Deviation:
+    if nominal.has_swell:
+        return _swell(chance, nominal)
+    values = {"spectrum": "jonswap", "peak_enhancement": chance.between(2.0, 7.0)}
+    return Deviation(
+        "",
+        {f"wave_vessel.{name}": value for name, value in values.items()},
+        {f"{BELIEF}.sea.{name}": value for name, value in values.items()},
+    )
+
+
+SEAS = (
+    Row("sea", (), _other_sea, slot="sea", weight=3.0),
+    Row("swell beside", (), _swell, slot="sea"),
+    Row("peaked sea", (), _peaked, slot="sea", weight=0.5),
+)
+"""Seas other than nominal; none is a reason to blame anything."""
+
+FACTOR, SPEED = "factor", "speed"
+"""Actions of an operator: another share of compensation, a speed of lowering [m/s]; NaN would be none, 0 ends it."""
+
+
+def _lowering(chance: Chance, _: Nominal) -> Deviation:
+    programme = f"{BELIEF}.programme"
+    settings = {
+        f"{programme}.move_times": [chance.between(90.0, 200.0)],
+        f"{programme}.move_payouts": [chance.sign() * chance.between(2.0, 25.0)],
+        f"{programme}.move_speeds": [chance.between(0.1, 0.5)],
+    }
+    return Deviation("", settings, {})
+
+
+def _operator_speed(chance: Chance, _: Nominal) -> Deviation:
+    start, speed = chance.between(90.0, 220.0), chance.sign() * chance.between(0.05, 0.4)
+    return Deviation("", {}, {}, actions=((start, SPEED, speed), (start + chance.between(5.0, 40.0), SPEED, 0.0)))
+
+
+def _factor_changes(chance: Chance, _: Nominal) -> Deviation:
+    first = chance.between(80.0, 160.0)
+    then = first + chance.between(20.0, 80.0)
+    return Deviation("", {}, {}, actions=((first, FACTOR, chance.between(0.0, 0.9)), (then, FACTOR, 1.0)))
+
+
+def _stop_and_restart(chance: Chance, _: Nominal) -> Deviation:
+    stop = chance.between(90.0, 150.0)
+    restart = stop + chance.between(35.0, 80.0)
+    mode = chance.one_of(("standby", "stopped"))
+    settings = {f"{BELIEF}.programme.mode_times": [stop, restart], f"{BELIEF}.programme.modes": [mode, "compensating"]}
+    return Deviation("", settings, {}, excused=((stop, restart + TROUBLE),))
+
+
+def _slewing_sea(chance: Chance, nominal: Nominal) -> Deviation:
+    """Draw a later sea of another period, no steeper than there is."""
+    period = nominal.period * chance.beside(0.65, 1.6, 0.15)
+    height = min(nominal.height * chance.between(0.6, 1.3), highest(period))
+    return Deviation("", _later(height, period, chance), {})
+
+
+def _growing_sea(chance: Chance, nominal: Nominal) -> Deviation:
+    """Draw a sea that grows into that of the scenario, which is up to six times as high."""
+    settings = {
+        **_later(nominal.height, nominal.period, chance),
+        "wave_vessel.significant_wave_height": nominal.height / chance.between(1.5, 6.0),
+    }
+    return Deviation("", settings, {})
+
+
+def _later(height: float, period: float, chance: Chance) -> dict[str, object]:
+    values = {
+        "significant_wave_height": height,
+        "peak_period": period,
+        "start": chance.between(40.0, 150.0),
+        "duration": chance.between(60.0, 200.0),
+    }
+    return {f"wave_vessel.later_sea.{name}": value for name, value in values.items()}
+
+
+CHANGING_SEAS = (
+    Row("slewing sea", (), _slewing_sea, slot="sea"),
+    Row("growing sea", (), _growing_sea, slot="sea"),
+)
+
+OPERATIONS = (
+    Row("lowering", (), _lowering),
+    Row("operator's speed", (), _operator_speed),
+    Row("factor changes", (), _factor_changes),
+    Row("stop and restart", (), _stop_and_restart),
+    *CHANGING_SEAS,
+)
+"""Operations that may be under way besides; none is a reason to blame anything."""
+
 
 WINCH = "virtual_winch"
 MRU, DEPTH = "wave_vessel.mru", "cable_sim.sensors.depth"
+NOISES = {"noise": 0.01, "rate_noise": 0.01, "depth": 0.02}
+"""Nominal noise of MRU [m], [m/s] and depth sensor [m] in all scenarios."""
 
 
 def of_winch(told: str, value: Callable[[Chance, Nominal], Mapping[str, float]]) -> Drawing:
-    """Return how settings of the winch are drawn; an informed controller gets the first as `told`; empty: none."""
+    """Return how settings of the winch are drawn by `value`; an informed controller has the first as `told`."""
 
     def draw(chance: Chance, nominal: Nominal) -> Deviation:
         drawn = value(chance, nominal)
@@ -30,12 +182,12 @@ def of_winch(told: str, value: Callable[[Chance, Nominal], Mapping[str, float]])
 
 
 def with_nothing_to_tell(values: Callable[[Chance], Settings]) -> Drawing:
-    """Return how settings are drawn that an informed controller need not know."""
+    """Return how settings are drawn, by `values`, that an informed controller need not know."""
     return lambda chance, _: Deviation("", values(chance), {})
 
 
 def that_cannot_be_told(values: Callable[[Chance], Settings]) -> Drawing:
-    """Return how settings are drawn for which the controller has no parameter."""
+    """Return how settings are drawn, by `values`, for which the controller has no parameter."""
     return lambda chance, _: Deviation("", values(chance))
 
 
@@ -105,7 +257,7 @@ def _high_pass(chance: Chance, _: Nominal) -> Deviation:
 
 
 def _mru_noise(chance: Chance, _: Nominal) -> Deviation:
-    noise = {name: NOISES[f"{MRU}.{name}"] * chance.between(1.5, 6.0) for name in ("noise", "rate_noise")}
+    noise = {name: NOISES[name] * chance.between(1.5, 6.0) for name in ("noise", "rate_noise")}
     return Deviation(
         "",
         {f"{MRU}.{name}": value for name, value in noise.items()},
@@ -114,7 +266,7 @@ def _mru_noise(chance: Chance, _: Nominal) -> Deviation:
 
 
 def _depth_noise(chance: Chance, _: Nominal) -> Deviation:
-    noise = NOISES[f"{DEPTH}.noise"] * chance.between(1.5, 6.0)
+    noise = NOISES["depth"] * chance.between(1.5, 6.0)
     return Deviation("", {f"{DEPTH}.noise": noise}, {f"{BELIEF}.sensors.depth.noise": noise})
 
 

@@ -7,13 +7,19 @@ from dataclasses import dataclass, field, replace
 
 from heave_bringup.scenarios import Scenario, load_scenario
 
-from tests.campaigns.draws.chance import Chance
-from tests.campaigns.draws.deviation import BELIEF, Deviation, Fault, Nominal, Row, Settings, nominal
-from tests.campaigns.draws.lifts import MODEL, lift
-from tests.campaigns.draws.operations import CHANGING_SEAS, OPERATIONS
-from tests.campaigns.draws.seas import SEAS
-from tests.campaigns.draws.table import DEVIATIONS
-from tests.campaigns.sensor_faults import LOST_KINDS
+from heave_studies.promise.deviation import (
+    BELIEF,
+    LOST_KINDS,
+    Chance,
+    Deviation,
+    Fault,
+    Nominal,
+    Row,
+    Settings,
+    nominal,
+)
+from heave_studies.promise.lifts import MODEL, lift
+from heave_studies.promise.table import CHANGING_SEAS, DEVIATIONS, OPERATIONS, SEAS
 
 SCENARIOS = (
     "b2_calm_300",

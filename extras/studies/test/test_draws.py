@@ -1,28 +1,24 @@
-"""The campaign `tests.campaigns.draws`: what it draws, how it judges and counts; no long run."""
+"""The draws of the promise: what is drawn, how it is judged and counted; no long run."""
 
-import json
+from __future__ import annotations
+
 import math
-from dataclasses import replace
+from dataclasses import asdict, replace
 
 import numpy as np
+import pandas
 import pytest
+from heave_bringup.cli import main
 from heave_bringup.closed_loop import COLUMNS, LoopRecord
-
-from tests.campaigns.draws import __main__ as campaign
-from tests.campaigns.draws import cases, figures, run
-from tests.campaigns.draws.ablation import ALL, part
-from tests.campaigns.draws.cases import KINDS, SCENARIOS, Case, draw
-from tests.campaigns.draws.chance import Chance
-from tests.campaigns.draws.deviation import nominal
-from tests.campaigns.draws.figures import broken, figures_of, table
-from tests.campaigns.draws.findings import findings_of, warnings_of
-from tests.campaigns.draws.journal import Heading, Journal
-from tests.campaigns.draws.lifts import SAFETY, STRAINS
-from tests.campaigns.draws.operations import OPERATIONS
-from tests.campaigns.draws.run import Outcome, counted, judged, run_case
-from tests.campaigns.draws.seas import highest, sea_of
-from tests.campaigns.draws.table import DEVIATIONS
-from tests.campaigns.journal import JournalError
+from heave_studies.promise import cases, run, study
+from heave_studies.promise.ablation import ALL, part
+from heave_studies.promise.cases import KINDS, SCENARIOS, Case, draw
+from heave_studies.promise.deviation import Chance, nominal
+from heave_studies.promise.figures import ablation_rows, broken, changes, figures_of
+from heave_studies.promise.findings import findings_of, warnings_of
+from heave_studies.promise.lifts import SAFETY, STRAINS
+from heave_studies.promise.run import Outcome, counted, judged, run_case
+from heave_studies.promise.table import DEVIATIONS, OPERATIONS, highest, sea_of
 
 DAY = 20300101
 TICK = 0.05
@@ -201,25 +197,31 @@ def test_a_finding_is_wrong_where_it_blames_what_does_not_differ():
     assert (found.right, found.wrong) == ((f"90 s: {alarms[0][1]}",), (f"95 s: {alarms[1][1]}",))
 
 
-def drawn(ratios, **values):
-    """Return draws with these worst minutes over off."""
-    return [
-        (CASE, Outcome(worst=ratio, at=60.0, efficiency=1.0 - ratio, ticks=(1.0, 2.0, 10.0 * ratio), **values))
-        for ratio in ratios
-    ]
+def drawn(ratios, **values) -> pandas.DataFrame:
+    """Return the table of draws with these worst minutes over winch locked."""
+    rows = []
+    for number, ratio in enumerate(ratios):
+        outcome = {
+            **asdict(Outcome(worst=float(ratio), at=60.0, efficiency=1.0 - float(ratio))),
+            **{"alarmed": "", **values},
+        }
+        row = {"case": number + 1, "index": number, "without": "", "law": "mpc", **outcome}
+        rows.append({name: "" if isinstance(value, tuple) else value for name, value in row.items()})
+    return pandas.DataFrame(rows).astype({"worst": float, "told": float})
 
 
 def test_the_table_counts_what_was_drawn():
-    never = (CASE, Outcome(reason="never began: mru frozen", ticks=(1.0, 2.0, 3.0)))
-    failed = (CASE, Outcome(failure="PlantError: slack"))
-    found = figures_of([*drawn(np.linspace(0.1, 1.1, 11)), never, failed])
-    assert (found.cases, found.failed, found.judged, found.never_begun, found.without_reason) == (13, 1, 11, 1, 1)
-    assert (found.p50, found.p90, found.largest) == pytest.approx((0.6, 1.0, 1.1))
-    assert (found.within_1_05, found.within_1_2) == pytest.approx((10 / 11, 1.0))
+    never, failed = (
+        drawn([math.nan], reason="never began: mru frozen", efficiency=0.0),
+        drawn([math.nan], failure="slack"),
+    )
+    found = figures_of(pandas.concat([drawn(np.linspace(0.1, 1.1, 11)), never, failed], ignore_index=True))
+    names = ("draws", "failed", "judged", "never begun", "without a true reason")
+    assert [found[name] for name in names] == [13, 1, 11, 1, 1]
+    assert [found[name] for name in ("p50", "p90", "largest")] == pytest.approx([0.6, 1.0, 1.1])
+    assert [found["within 1.05"], found["within 1.2"]] == pytest.approx([10 / 11, 1.0])
     # of eleven from -0.1 to 0.9 and the 0 of what never began
-    assert found.efficiency == pytest.approx(np.median([*np.linspace(-0.1, 0.9, 11), 0.0]))
-    assert (found.tick_p50, found.tick_p999, found.tick_max) == pytest.approx((1.0, 2.0, 11.0))
-    assert "13 draws, 11 judged, 1 FAILED" in table("few", found)
+    assert found["efficiency"] == pytest.approx(np.median([*np.linspace(-0.1, 0.9, 11), 0.0]))
 
 
 @pytest.mark.parametrize(
@@ -230,78 +232,64 @@ def test_the_table_counts_what_was_drawn():
         ("few", [*96 * [0.5], *4 * [1.1]], {}, ["96.0 % within 1.05, promised 97 %"]),
         ("few", [*99 * [0.5], 1.3], {}, ["99.0 % within 1.2, promised 99.5 %"]),
         ("few", [0.5], {"is_lost": True}, ["1 lost"]),
-        ("few", [0.5], {"wrong": ("DEPTH_EXCLUDED",)}, ["1 with a healthy part blamed"]),
-        ("few", [0.5], {"told": 0.6}, ["median efficiency 0.500, told 0.600"]),
-        ("stacked", [*85 * [0.5], *12 * [1.4], *3 * [2.0]], {"wrong": ("x",)}, []),
+        ("few", [0.5], {"wrong": "DEPTH_EXCLUDED"}, ["1 with a healthy part blamed"]),
+        ("few", [0.5], {"told": 0.6}, ["median efficiency 0.500, informed 0.600"]),
+        ("stacked", [*85 * [0.5], *12 * [1.4], *3 * [2.0]], {"wrong": "x"}, []),
         ("stacked", [*84 * [0.5], *16 * [1.4]], {}, ["84.0 % within 1.05, promised 85 %"]),
         ("stacked", [*96 * [0.5], *4 * [2.0]], {}, ["96.0 % within 1.5, promised 97 %"]),
-        ("stacked", [0.5], {"is_alarmed": False}, ["1 reached 1.5 without an alarm"]),
+        ("stacked", [0.5], {"alarmed": "no"}, ["1 reached 1.5 without an alarm"]),
     ],
 )
 def test_the_promise_is_broken_where_a_share_is_not_reached(kind, ratios, values, breaches):
     assert broken(kind, figures_of(drawn(ratios, **values))) == breaches
 
 
-HEADING = Heading("abc", "0123", "few", DAY, "", False)
+def test_an_ablation_counts_the_draws_that_a_part_saves_and_costs():
+    """By more than 0.1: without the part draw 1 is worse, draw 2 better, draw 0 the same."""
+    frame = pandas.concat([drawn([0.1, 0.9, 0.5]), drawn([0.15, 2.0, 0.2]).assign(without="guard")])
+    _, rows = ablation_rows(frame)
+    assert [row[:3] for row in rows] == [["nothing", "0", "0"], ["guard", "1", "1"]]
+    pairs = changes(frame[frame["without"] == ""], frame[frame["without"] != ""])
+    assert list(pairs.index) == [1, 2], "the largest change first"
 
 
-def test_a_journal_goes_on_and_refuses_another_campaign(tmp_path):
-    path = tmp_path / "few.jsonl"
-    outcome = Outcome(worst=0.5, at=60.0, wrong=("9 s: x",), alarms=((9.0, "x"),), ticks=(1.0, 2.0, 3.0), told=0.1)
-    Journal(path, HEADING).add(draw("few", DAY, 3), replace(outcome, seconds=1.0, worst_of_all=0.6, begin=20.0))
-    Journal(path, HEADING).add(replace(draw("few", DAY, 5), seed=0), outcome)  # as another table has drawn it
-    path.write_text(path.read_text() + '{"index": 4, "worst"')  # it was ended while it wrote
-    again = Journal(path, replace(HEADING, commit="def"))
-    assert again.outcomes == {3: replace(outcome, seconds=1.0, worst_of_all=0.6, begin=20.0)}
-    with pytest.raises(JournalError, match="name another with --journal"):
-        Journal(path, replace(HEADING, day=DAY + 1))
-    with pytest.raises(JournalError, match="no journal of draws"):
-        Journal(tmp_path / "none.jsonl")
+def pretended(case, *, is_informed=False):
+    """Stand for a run: the worst minute is that of the index, larger where a part of the controller is missing."""
+    (switch,) = ALL["sea"]()
+    owner, name = part(switch.place)
+    is_whole = getattr(owner, name) is not switch.value and "lambda" not in getattr(owner, name).__qualname__
+    return Outcome(worst=0.1 * case.index if is_whole else 3.0, at=60.0, efficiency=0.9, alarms=((1.0, "x"),))
 
 
-def test_figures_are_printed_again_from_a_journal_and_the_status_is_that_of_the_promise(tmp_path, capsys):
-    path = tmp_path / "few.jsonl"
-    journal = Journal(path, HEADING)
-    for index, (_, outcome) in enumerate(drawn([0.1, 0.2])):
-        journal.add(draw("few", DAY, index), outcome)
-    assert campaign.main(["--print", str(path), "--json"]) == 0
-    assert json.loads(capsys.readouterr().out)["largest"] == pytest.approx(0.2)
-    journal.add(draw("few", DAY, 2), drawn([3.0])[0][1])
-    assert campaign.main(["--print", str(path)]) == 1
-    assert "BROKEN: 66.7 % within 1.05" in capsys.readouterr().out
-    assert campaign.main(["--print", str(tmp_path / "none.jsonl")]) == 2
-
-
-def test_two_versions_are_compared_draw_by_draw(tmp_path, capsys):
-    before, now, other = (tmp_path / name for name in ("before", "now", "other"))
-    for path, ratios in ((before, [0.1, 0.9, 0.5]), (now, [0.15, 0.2, 2.0])):
-        journal = Journal(path, HEADING)
-        for index, (_, outcome) in enumerate(drawn(ratios)):
-            journal.add(draw("few", DAY, index), outcome)
-    campaign.main(["--print", str(now), "--against", str(before)])
+def test_the_study_runs_the_draws_of_a_seed_and_without_a_part_and_compares(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(study, "run_case", pretended)
+    run = ["study", "few", "--ask", f"seed={DAY}", "--draws", "3", "--processes", "1"]
+    assert main([*run, "--output", "before"]) == 0
+    assert "verdict: passed: the promise is kept" in capsys.readouterr().out
+    assert main([*run, "--ask", "without=[sea]", "--ask", "against=before/table.parquet", "--output", "now"]) == 0
     said = capsys.readouterr().out
-    assert "the same 3 draws before: 1 are better now, 1 worse" in said
-    assert said.index("0.500 became 2.000") < said.index("0.900 became 0.200") < said.index("0.100 became 0.150")
-    Journal(other, replace(HEADING, day=DAY + 1))
-    assert campaign.main(["--print", str(now), "--against", str(other)]) == 2
+    assert "What each part saves" in said
+    assert "Against" not in said, "no draw has changed"
+    frame = pandas.read_parquet("now/table.parquet")
+    assert frame["worst"].tolist() == pytest.approx([0.0, 0.1, 0.2, 3.0, 3.0, 3.0])
+    assert frame["words"].tolist()[:3] == [draw("few", DAY, index).words for index in range(3)]
+    assert "significant_wave_height" in frame["scenario"][0]
+    monkeypatch.setattr(study, "run_case", lambda case, **_: Outcome(worst=1.3))
+    assert main([*run, "--ask", "only=7"]) == 3, "a promise that is broken fails the verdict"
+    assert (tmp_path / "studies" / f"few-{DAY}" / "page.html").exists()
 
 
-def test_draws_that_are_in_the_journal_are_not_run_again(tmp_path, monkeypatch):
-    ran = []
-
-    def run_tasks(tasks, *_):
-        for task in tasks:
-            ran.append(task.case.index)
-            yield task.case, drawn([0.1])[0][1]
-
-    monkeypatch.setattr(campaign, "run_tasks", run_tasks)
-    options = ["--kind", "few", "--seed", str(DAY), "--journal", str(tmp_path / "few.jsonl")]
-    assert campaign.main([*options, "--only", "1,2"]) == 0
-    assert campaign.main([*options, "--draws", "4"]) == 0
-    assert ran == [1, 2, 0, 3]
+@pytest.mark.parametrize(
+    ("ask", "words"),
+    [("without=gurad", "there is no part 'gurad'"), ("seed=x", "ask: seed = 'x'"), ("only=[-1]", "ask: only = -1")],
+)
+def test_what_is_wrong_with_what_is_asked_is_one_line(ask, words, capsys):
+    assert main(["study", "few", "--ask", ask]) == 2
+    assert words in capsys.readouterr().err
 
 
-def test_a_case_is_run_for_a_few_seconds_with_its_operator(monkeypatch):
+def test_a_case_is_run_for_a_few_seconds_with_its_operator():
     """Too short to be judged: what is looked at is that the loop runs, is measured, and says why nothing was judged."""
     case = replace(draw("few", DAY, 0), scenario="b2_calm_300", settings={}, told={}, actions=((1.0, "speed", 0.1),))
     found = run_case(case, is_informed=True, duration=3.0)
@@ -309,23 +297,13 @@ def test_a_case_is_run_for_a_few_seconds_with_its_operator(monkeypatch):
     assert found.reason.startswith("never began: ")
     assert found.refused == ("1 s: an operator's speed needs mode compensating or manual; the mode is standby",)
     assert found.told == found.efficiency == 0.0
-    assert 0.0 < found.ticks[0] <= found.ticks[1] <= found.ticks[2]
+    assert found.cost["controller"] > 0.0
 
 
 def test_a_case_that_cannot_be_run_says_why():
     assert run_case(replace(draw("few", DAY, 0), settings={"virtual_winch.no_such": 1.0})).failure.startswith(
         "ParameterError"
     )
-
-
-def test_latency_is_taken_by_loops_that_are_made_from_then_on(monkeypatch):
-    monkeypatch.setattr(run.beliefs, "LATENCY", 1.0)
-    run.set_latency("3")
-    assert run.beliefs.LATENCY == 3.0
-
-
-def test_what_is_promised_is_what_stands_in_the_help():
-    assert (figures.SELDOM, figures.LEAST_OF_TOLD) == (0.01, 0.95)
 
 
 @pytest.mark.parametrize("name", ALL)
@@ -335,12 +313,3 @@ def test_what_an_ablation_switches_off_is_there(name):
     for place, value in switches:
         owner, attribute = part(place)
         assert getattr(owner, attribute) != value
-
-
-def test_a_journal_without_a_part_is_another_one(tmp_path):
-    heading = Heading("c", "s", "few", 1, "", is_informed=False)
-    without = replace(heading, without="sensor noise")
-    assert without.file_name == "few-1-s-without-sensor-noise.jsonl"
-    Journal(tmp_path / "a", heading)
-    with pytest.raises(JournalError):
-        Journal(tmp_path / "a", without)

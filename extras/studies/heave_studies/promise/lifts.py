@@ -11,9 +11,8 @@ from heave_node.catalogue import Entry, entries
 from heave_node.numerics import hydrostatics
 from heave_node.numerics.constants import SEAWATER_DENSITY, STANDARD_GRAVITY
 
-from tests.campaigns.draws.chance import Chance
-from tests.campaigns.draws.deviation import Settings
-from tests.campaigns.draws.seas import sea_of
+from heave_studies.promise.deviation import Chance, Settings
+from heave_studies.promise.table import sea_of
 
 MODEL = "b3_deep_900"
 """Scenario that `heave new` begins with."""
@@ -29,7 +28,7 @@ CATALOGUE_UNITS = 0.3
 
 
 def lift(chance: Chance) -> tuple[str, Settings]:
-    """Return a lift in words, and its settings on top of scenario `MODEL`."""
+    """Return a lift that `chance` draws in words, and its settings on top of scenario `MODEL`."""
     cables, units = list(entries("cable").values()), list(entries("unit").values())
     while True:
         cable, length = chance.one_of(cables), chance.spread(50.0, 3000.0)

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import math
-import time as clock
-from collections.abc import Callable, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -12,13 +11,14 @@ import numpy as np
 from heave_bringup.closed_loop import ClosedLoop, LoopRecord, loop_parameters
 from heave_node.kpi import WORSE_FLOOR, WORSE_WINDOW, efficiency, sigma, window_ratios
 from heave_node.numerics.arrays import Array
-from winch_controller_node.beliefs import beliefs
+from winch_controller_node.core.supervision.modes import ModeError
 from winch_controller_node.interface.readings import Outputs
 
-from tests.campaigns.draws.cases import DURATION, Case
-from tests.campaigns.draws.findings import DRUM, ENCODER, findings_of, warnings_of
-from tests.campaigns.draws.operations import Operator
-from tests.campaigns.promise import TROUBLE
+from heave_studies.promise.cases import DURATION, Case
+from heave_studies.promise.deviation import TROUBLE
+from heave_studies.promise.findings import DRUM, ENCODER, findings_of, warnings_of
+from heave_studies.promise.table import FACTOR
+from heave_studies.study.cost import JUDGE, LOOP, START, Meter
 
 ALARMED = 1.5
 """Ratio to off that is not reached without an alarm."""
@@ -40,10 +40,10 @@ LOST_TIME = 60.0
 class Outcome:
     """What a case came to."""
 
-    # largest ratio of the unit to the uncompensated one over a minute; NaN: no minute could be judged
+    # largest ratio of the unit to the uncompensated one over a minute; NaN: no minute could be judged [-]
     worst: float = math.nan
     at: float = math.nan  # where that minute begins [s]
-    worst_of_all: float = math.nan  # the same with the allowed times
+    worst_of_all: float = math.nan  # the same with the allowed times [-]
     begin: float = math.nan  # when compensation began [s]; NaN: never
     reason: str = ""  # why it never began, or too late to be judged; empty: it was judged
     has_true_reason: bool = False  # a sensor that the reason names gave nothing to read
@@ -53,14 +53,12 @@ class Outcome:
     right: tuple[str, ...] = ()  # findings that blame what differs
     wrong: tuple[str, ...] = ()  # findings that blame what does not
     is_alarmed: bool | None = None  # there was an alarm before the ratio reached `ALARMED`; None: it never did
-    # time that the controller's ticks took: median, 99.9 % and largest [ms]
-    ticks: tuple[float, float, float] = (math.nan, math.nan, math.nan)
-    efficiency: float = 0.0  # of the unit, from 30 s after the beginning on; 0: it never began
-    told: float = math.nan  # the same with an informed controller; NaN: not run
+    efficiency: float = 0.0  # of the unit, from 30 s after the beginning on; 0: it never began [-]
+    told: float = math.nan  # the same with an informed controller; NaN: not run [-]
     refused: tuple[str, ...] = ()  # what an operator asked for in vain
     failure: str = ""  # why the case could not be run; empty: it could
-    seconds: float = math.nan  # that it took
     alarms: tuple[tuple[float, str], ...] = field(default=())  # all of them, with their times [s]
+    cost: Mapping[str, float] = field(default_factory=dict)  # processor time by part [s]
 
     @property
     def is_judged(self) -> bool:
@@ -68,27 +66,23 @@ class Outcome:
         return math.isfinite(self.worst)
 
 
-def set_latency(latency: str) -> None:
-    """Let what the adviser finds take effect so many seconds after it was asked for, in loops made from now on."""
-    beliefs.LATENCY = float(latency)
-
-
 def run_case(case: Case, *, is_informed: bool = False, duration: float = DURATION) -> Outcome:
     """Run a case for a `duration` [s]; where `is_informed`, once more with an informed controller, if there is one."""
-    began = clock.monotonic()
     found = _run(case, duration)
     if is_informed and case.told is not None and not found.failure:
         told = _run(case.as_told(), duration) if case.told else found
         found = replace(found, told=told.efficiency)
-    return replace(found, seconds=clock.monotonic() - began)
+    return found
 
 
 def _run(case: Case, duration: float) -> Outcome:
+    meter = Meter()
     try:
-        scenario = case.load(duration)
-        loop = ClosedLoop(loop_parameters(scenario))
+        with meter.of(START):
+            scenario = case.load(duration)
+            loop = ClosedLoop(loop_parameters(scenario))
+        meter.watch(loop)
         operator = Operator(loop, case.actions, scenario.run.tick_period)
-        ticks = _measured(loop.controller)
         obstacles: list[str] = []
 
         def on_tick(tick: int, outputs: Outputs) -> None:
@@ -96,28 +90,14 @@ def _run(case: Case, duration: float) -> Outcome:
             if outputs.mode != "compensating" and tick % LOOK == 0:
                 obstacles.append(why_waiting(loop.controller))
 
-        record = loop.run(on_tick)
+        with meter.of(LOOP):
+            record = loop.run(on_tick)
     except Exception as error:  # one case that cannot be run must not end the others; it stands in the table
         return Outcome(failure=f"{type(error).__name__}: {' '.join(str(error).split())}")
     stiffness = scenario.parameters["cable_sim"].cable.axial_stiffness
-    found = judged(case, record, stiffness, next((words for words in reversed(obstacles) if words), ""))
-    milliseconds = 1e3 * np.percentile(ticks, [50.0, 99.9, 100.0])
-    return replace(found, ticks=tuple(milliseconds.tolist()), refused=tuple(operator.refused))
-
-
-def _measured(controller: Any) -> list[float]:
-    """Let the `controller` note the processor time of this thread that each of its ticks takes [s]."""
-    step: Callable[..., Any] = controller.step
-    taken: list[float] = []
-
-    def measured_step(*arguments: Any) -> Any:
-        before = clock.thread_time()
-        outputs = step(*arguments)
-        taken.append(clock.thread_time() - before)
-        return outputs
-
-    controller.step = measured_step
-    return taken
+    with meter.of(JUDGE):
+        found = judged(case, record, stiffness, next((words for words in reversed(obstacles) if words), ""))
+    return replace(found, refused=tuple(operator.refused), cost=meter.seconds)
 
 
 def why_waiting(controller: Any) -> str:
@@ -227,3 +207,40 @@ def _is_lost(case: Case, time: Array, compensates: Array) -> bool:
     end = float(time[-1])
     has_nothing_to_read = any(sensor in ("mru", "encoder") and to > end - LOST_TIME for sensor, _, to in case.lost)
     return not has_nothing_to_read and not np.any(compensates[time > end - LOST_TIME])
+
+
+class Operator:
+    """Does in a running loop what an operator is drawn to do.
+
+    Parameters
+    ----------
+    loop : that runs
+    actions : time [s], what, value, in order of time
+    tick_period : [s]
+
+    Attributes
+    ----------
+    refused : what could not be done, in words
+    """
+
+    def __init__(self, loop: ClosedLoop, actions: tuple[tuple[float, str, float], ...], tick_period: float) -> None:
+        self._loop, self._dt = loop, tick_period
+        self._due = list(actions)
+        self._speed = 0.0
+        self.refused: list[str] = []
+
+    def act(self, tick: int) -> None:
+        """Do what is due after a `tick`; a speed is asked for again in every tick, as a joystick does."""
+        controller = self._loop.controller
+        try:
+            while self._due and self._due[0][0] <= tick * self._dt:
+                _, what, value = self._due.pop(0)
+                if what == FACTOR:
+                    controller.set_factor(value)
+                else:
+                    self._speed = value
+            if self._speed:
+                controller.operate(self._speed)
+        except ModeError as error:
+            self._speed = 0.0
+            self.refused.append(f"{tick * self._dt:.0f} s: {error}")

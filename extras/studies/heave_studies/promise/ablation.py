@@ -1,11 +1,12 @@
 """What can be switched off in the controller by itself, to see what it saves and what it costs.
 
-Each row names attributes of the code and what stands in their place. A campaign with `--without NAME` runs so.
+Each row names attributes of the code and what stands in their place while a case is run.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from importlib import import_module
 from typing import Any, NamedTuple
 
@@ -15,10 +16,13 @@ NEVER = 1e9
 
 
 class Switch(NamedTuple):
-    """A part of the controller in another form: where it is, as "module:owner.name", and what it is then."""
+    """A part of the controller in another form: its `place`, as "module:owner.name", and its `value` then."""
 
     place: str
     value: Any
+
+
+Switches = Callable[[], list[Switch]]
 
 
 def _gives(value: Any) -> Callable[..., Any]:
@@ -44,7 +48,7 @@ def _noise_as_stated() -> list[Switch]:
     return [Switch("core.estimation.sense_design:GATES", held | {"fewest_noise": NEVER, "noise_unknown": 1.0})]
 
 
-LEARNING = {
+LEARNING: Mapping[str, Switches] = {
     "winch": lambda: [Switch("adviser.component:Adviser._take_winch", _gives(None))],
     "encoder scale": lambda: [
         Switch("adviser.component:Adviser._take_encoder", _gives(None)),
@@ -62,7 +66,7 @@ LEARNING = {
 }
 """Findings of the adviser."""
 
-REFLEXES = {
+REFLEXES: Mapping[str, Switches] = {
     "encoder reflex": lambda: [
         Switch(
             "core.supervision.watch.encoder_reflex:EncoderReflex.look",
@@ -76,7 +80,7 @@ REFLEXES = {
 }
 """Reflexes of the core within a tick."""
 
-CHECKS = {
+CHECKS: Mapping[str, Switches] = {
     "gates": lambda: [Switch("core.supervision.supervisor:Supervisor._closed_gates", _gives(""))],
     "drum check": lambda: _without_limit("DRUM"),
     "swing check": lambda: _without_limit("SWING"),
@@ -91,7 +95,7 @@ CHECKS = {
 }
 """Checks of supervision."""
 
-ALL = {**LEARNING, **REFLEXES, **CHECKS}
+ALL: Mapping[str, Switches] = {**LEARNING, **REFLEXES, **CHECKS}
 """Everything that can be switched off, by name."""
 
 
@@ -110,7 +114,18 @@ def part(place: str) -> tuple[Any, str]:
     return target, name
 
 
-def switch_off(name: str) -> None:
-    """Have this process run without a part of the controller, by its `name` in `ALL`."""
-    for place, value in ALL[name]():
-        setattr(*part(place), value)
+@contextmanager
+def switched_off(name: str) -> Iterator[None]:
+    """Have this process run without a part of the controller, by its `name` in `ALL`, within; empty: with all."""
+    switches = [(*part(place), value) for place, value in (ALL[name]() if name else ())]
+    kept = [
+        vars(owner)[attribute] if isinstance(owner, type) else getattr(owner, attribute)
+        for owner, attribute, _ in switches
+    ]
+    for owner, attribute, value in switches:
+        setattr(owner, attribute, value)
+    try:
+        yield
+    finally:
+        for (owner, attribute, _), value in zip(switches, kept, strict=True):
+            setattr(owner, attribute, value)
