@@ -59,7 +59,7 @@ class Cases:
             repr((self.study.search, self.study.draws, self.study.has_baseline, self.study.has_adviser)).encode()
         )
         for task in self._first:
-            digest.update(task.text.encode())
+            digest.update(task.values.encode())
         for file in self.files.values():
             digest.update(file.digest.encode())
         return digest.hexdigest()
