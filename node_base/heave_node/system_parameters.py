@@ -14,6 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
+from functools import lru_cache
 
 from heave_node.catalogue import with_entries
 from heave_node.parameters import Given, unknown_parameter
@@ -98,6 +99,11 @@ def system_names(node: str, own_names: Collection[str]) -> dict[str, str]:
     node : name of the node
     own_names : dotted names of its parameters
     """
+    return dict(_system_names(node, tuple(own_names)))
+
+
+@lru_cache(maxsize=256)
+def _system_names(node: str, own_names: tuple[str, ...]) -> Mapping[str, str]:
     names: dict[str, str] = {}
     single = _single_names(node)
     for shared in (shared for shared in SHARED if node in shared.own):
@@ -108,9 +114,10 @@ def system_names(node: str, own_names: Collection[str]) -> dict[str, str]:
     return names
 
 
-def _single_names(node: str) -> set[str]:
+@lru_cache(maxsize=64)
+def _single_names(node: str) -> frozenset[str]:
     """Return a node's own names that have a word to themselves: no group around them has another for them."""
-    return {shared.own[node] for shared in SHARED if node in shared.own and not shared.own[node].endswith(".")}
+    return frozenset(shared.own[node] for shared in SHARED if node in shared.own and not shared.own[node].endswith("."))
 
 
 def own_name(node: str, name: str) -> str:
@@ -138,8 +145,13 @@ def owned_names(node: str, own_names: Collection[str]) -> dict[str, str]:
     node : name of the node
     own_names : dotted names of its parameters
     """
+    return dict(_owned_names(node, tuple(own_names)))
+
+
+@lru_cache(maxsize=256)
+def _owned_names(node: str, own_names: tuple[str, ...]) -> Mapping[str, str]:
     owned = [shared for shared in SHARED if shared.owner == node]
-    names = system_names(node, own_names)
+    names = _system_names(node, own_names)
     return {
         name: own for name, own in names.items() if any(shared.covers(name.removeprefix(SYSTEM)) for shared in owned)
     }

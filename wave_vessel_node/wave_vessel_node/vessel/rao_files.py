@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
+from functools import cache, lru_cache
 from importlib import resources
 from pathlib import Path
 
@@ -32,6 +33,7 @@ _PHASES = tuple(f"{name}_phase_rad" for name in DEGREES_OF_FREEDOM)
 COLUMNS = (*_GRID, *(column for pair in zip(_AMPLITUDES, _PHASES, strict=True) for column in pair))
 
 
+@cache
 def shipped_rao() -> ResponseTable:
     """Return the RAOs of the hull form that ships with the package (see the comments in its file)."""
     with resources.as_file(resources.files("wave_vessel_node") / "data" / SHIPPED_TABLE) as path:
@@ -55,6 +57,13 @@ def read_rao(path: str | Path, speeds: Sequence[float] = (0.0,), accept_implausi
     path = Path(path)
     if not path.is_file():
         raise RaoError(f"{path}: no such file")
+    found = path.stat()
+    return _read_once(path, (found.st_mtime_ns, found.st_size), tuple(speeds), accept_implausible)
+
+
+@lru_cache(maxsize=8)
+def _read_once(path: Path, _: object, speeds: tuple[float, ...], accept_implausible: bool) -> ResponseTable:
+    """Return the table of a file, read once for many runs; a file that was changed is another one."""
     if path.suffix.lower() == ".csv":
         return read_rao_csv(path, accept_implausible=accept_implausible)
     if path.suffix.lower() in (".nc", ".nc4"):

@@ -61,7 +61,7 @@ class Cases:
         of = self.study
         digest = hashlib.sha256(repr((of.search, of.draws, of.refinement, of.has_baseline, of.has_adviser)).encode())
         for task in self._first:
-            digest.update(task.text.encode())
+            digest.update(task.values.encode())
         for file in self.files.values():
             digest.update(file.digest.encode())
         return digest.hexdigest()

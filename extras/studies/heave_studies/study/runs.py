@@ -63,6 +63,12 @@ class Task:
         return sections_text(stored_sections(self.scenario), title=stored_title(self.scenario))
 
     @property
+    def values(self) -> str:
+        """All active values, in a form that is quick to make: it tells one case from another."""
+        one = self.scenario
+        return repr((one.run, dict(one.parameters), one.wanted, dict(one.quality_of_service), one.changed))
+
+    @property
     def is_baseline(self) -> bool:
         """Return whether the case is one under the baseline law."""
         return bool(self.scenario.parameters["winch_controller"].law == BASELINE_LAW)
@@ -114,7 +120,8 @@ def make_tasks(study: Study, cases: Sequence[Case]) -> list[Task]:
 
     A case whose twin under the baseline law is a case itself is not run under that law again.
     """
-    tasks = [Task(case, _scenario(study, case), study.has_baseline, study.has_adviser) for case in cases]
+    loaded: dict[str, Scenario] = {}
+    tasks = [Task(case, _scenario(study, case, loaded), study.has_baseline, study.has_adviser) for case in cases]
     baselines = {task.but_for_law for task in tasks if task.is_baseline}
     return [
         replace(task, has_baseline=False) if task.but_for_law in baselines and not task.is_baseline else task
@@ -122,9 +129,13 @@ def make_tasks(study: Study, cases: Sequence[Case]) -> list[Task]:
     ]
 
 
-def _scenario(study: Study, case: Case) -> Scenario:
+def _scenario(study: Study, case: Case, loaded: dict[str, Scenario]) -> Scenario:
+    """Return the scenario of a `case`; one that differs from a case before by its seed alone is among the `loaded`."""
+    known = repr((case.is_nominal, case.settings))
+    if known in loaded:
+        return replace(loaded[known], run=replace(loaded[known].run, seed=case.seed))
     settings = study.settings_of(case)
-    scenario = load_scenario(study.scenario_of(case), settings=settings)
+    scenario = loaded[known] = load_scenario(study.scenario_of(case), settings=settings)
     run = scenario.run
     if run.duration <= run.transient:
         source = next((setting.source for setting in settings if setting.name == "duration"), str(scenario.path))
