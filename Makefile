@@ -3,7 +3,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 PYTHON ?=
 # An environment that was moved or copied here leads to where it was made, without a word: it is made again.
-MADE_AT := $(shell sed -n '1s,^\#!\(/.*/\)python[^/]*$$,\1,p' $(VENV)/bin/heave 2>/dev/null)
+MADE_AT := $(shell sed -n -e '1s,^\#!\(/.*/\)python[^/]*$$,\1,p' -e 's,^made_at="\(.*\)"$$,\1,p' $(VENV)/bin/heave 2>/dev/null)
 ifneq ($(MADE_AT),)
 ifneq ($(shell [ "$(MADE_AT)" -ef $(VENV)/bin/ ] && echo here),here)
 $(info setup: $(VENV) was made at $(MADE_AT) and moved: it is made again)
@@ -107,6 +107,7 @@ $(VENV)/.installed: $(VENV)/bin/uv $(BUILD_INPUTS)
 	@$(PINNED) $(BIN)/python -m pip install --quiet --upgrade pip 'setuptools<80'
 	@$(PINNED) VIRTUAL_ENV=$(CURDIR)/$(VENV) $(TELLING) "ROS 2 and the messages" $(BIN)/uv pip install --quiet --reinstall-package heave --editable . || \
 		$(PINNED) $(TELLING) "ROS 2 and the messages, by pip" $(BIN)/python -m pip install --quiet --editable .
+	@sh tools/launcher.sh $(VENV)
 	@echo "setup: compiling the models, once"
 	@$(TELLING) "compiling the models" $(BIN)/python -m heave_bringup.compiled > $(VENV)/models.log 2>&1 || \
 		echo "setup: left to the first run, which will start slowly; $(VENV)/models.log says why"

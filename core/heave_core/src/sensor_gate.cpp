@@ -8,14 +8,15 @@ namespace {
 
 void begin_sameness(Sameness &same, double usual) {
     same = Sameness{};
-    same.run = same.longest = 1.0;
+    same.run = same.longest = same.newest = 1.0;
     same.usual = same.least = usual;
     std::fill_n(same.values, 4, NOT_KNOWN);
 }
 
 // Whether the run of equal readings is no chance. Of a sensor that reads in steps two in a row are often the same: a run
 // of n comes by chance with a probability p^(n - 1), p the share of readings that were like the one before. At a crest of
-// the sea runs are longer than that: one must also be longer than those before.
+// the sea runs are longer than that: one must also be longer than those before, and than a crest that is approached as
+// fast as the last step shows: of a motion q - a t^2 / 2 in steps of q the last one takes 4.8 times the one before.
 bool stands(const Health &health, Sameness &same, const double *values, int count) {
     if (!std::equal(values, values + count, same.values)) {
         const double weight = std::min(1.0, same.run / health.sameness_memory);
@@ -23,14 +24,15 @@ bool stands(const Health &health, Sameness &same, const double *values, int coun
         const double longest = std::min(same.run, 2.0 * same.longest);
         same.longest = std::max(longest, same.longest * (1.0 - weight / 10.0));
         same.usual += weight * ((same.run - 1.0) / same.run - same.usual);
-        same.run = 1.0;
+        same.newest = same.run, same.run = 1.0;
         std::copy_n(values, count, same.values);
         return false;
     }
     same.run += 1.0;
     double least = health.frozen_samples;
-    if (same.longest >= 2.0)
-        least = std::max({least, health.fewest_of_steps, std::nearbyint(health.longer * same.longest)});
+    if (same.longest >= health.in_steps)
+        least = std::max({least, health.fewest_of_steps, std::nearbyint(health.longer * same.longest),
+                          health.crest * (same.newest + 1.0)});
     return same.run >= least && std::pow(std::max(same.usual, same.least), same.run - 1.0) < health.by_chance;
 }
 

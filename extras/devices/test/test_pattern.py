@@ -29,6 +29,7 @@ def test_a_line_with_the_checksum_of_nmea():
     # by hand: L ^ C ^ , ^ 5 = 4C ^ 43 ^ 2C ^ 35 = 16
     assert decoder.feed(b"$LC,5*16\r\n")[0].values == {"tension": 5.0}
     assert not decoder.feed(b"$LC,6*16\r\n")
+    assert PatternDecoder(r"\$LC,(?P<tension>[-0-9.]+)\*(?P<checksum>..)", "xor").feed(b"$LC,5*16\r\n")
 
 
 def test_words_are_kept_beside_numbers():

@@ -1,8 +1,9 @@
 """Lines of any make by a regular expression: each named group that a line matches is a field.
 
 A checksum, if the device sends one, is the group `checksum`; it covers what stands before it in the match, or the group
-`covered` where there is one. Kinds: `xor` (two hexadecimal digits, as NMEA 0183) and `sum` (decimal sum of the
-characters' codes, as the LCI-90 of Measurement Technology NW sends it, operator manual section 6.6.4).
+`covered` where there is one. Kinds: `xor` (two hexadecimal digits of what stands between `$` or `!` and `*`, as NMEA
+0183 has it) and `sum` (decimal sum of the characters' codes, as the LCI-90 of Measurement Technology NW sends it,
+operator manual section 6.6.4).
 """
 
 from __future__ import annotations
@@ -18,7 +19,7 @@ from heave_devices.formats.sample import Sample, is_number, number
 CHECKSUM, COVERED = "checksum", "covered"
 CHECKSUMS: dict[str, tuple[Callable[[bytes], int], int]] = {
     "": (lambda _: 0, 10),
-    "xor": (lambda data: reduce(operator.xor, data, 0), 16),
+    "xor": (lambda data: reduce(operator.xor, data.lstrip(b"$!").rstrip(b"*"), 0), 16),
     "sum": (lambda data: sum(data) % 10_000, 10),
 }
 """Kinds of checksum, "" for none: what is computed, and the base in which it is written."""

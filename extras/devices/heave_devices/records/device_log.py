@@ -164,4 +164,6 @@ def _note_counters(counters: Counters, findings: Findings) -> None:
 
 def _what_there_is(record: _Record, decoder: Decoder) -> str:
     kinds = [*dict.fromkeys(sample.kind for sample in record.samples), *decoder.counters.unknown]
-    return f"; it has {', '.join(kinds[:8])}" if kinds else ": nothing in it is as the format has it"
+    broken = decoder.counters.checksum_errors
+    nothing = f": {broken} wrong checksums: check the map's" if broken else ": nothing in it is as the format has it"
+    return f"; it has {', '.join(kinds[:8])}" if kinds else nothing

@@ -47,8 +47,10 @@ GATES = {
     "bad_in_a_row": 3,  # an alarm within three samples
     "rounding": 1e-6,
     "sameness_memory": 200.0,
+    "in_steps": 1.5,  # two in a row, a minute or two ago
     "fewest_of_steps": 24,  # at a crest of the sea a sensor that reads in steps stands for long
     "longer": 2.0,
+    "crest": 6.0,  # a quarter above the 2 sqrt(2) / (2 - sqrt(2)) of a parabola
     "by_chance": 2e-4,  # three of a sensor that does not read in steps
     "fewest_noise": 30,
     "noise_updated": 10,
