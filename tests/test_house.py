@@ -46,15 +46,15 @@ FOLDERS = {
 """Folder of each package whose folder has another name."""
 
 BUDGETS = {
-    "core": (4_014, 2_800),
-    "node_base": (12_334, 9_500),
-    "wave_vessel_node": (5_330, 4_400),
+    "core": (4_034, 2_800),
+    "node_base": (12_505, 9_500),
+    "wave_vessel_node": (5_339, 4_400),
     "cable_sim_node": (9_411, 8_500),
-    "winch_controller_node": (21_300, 14_000),
-    "bags": (11_172, 7_700),
-    "bringup": (8_187, 6_100),
-    "extras/devices": (7_203, 4_900),
-    "extras/studies": (13_005, 6_000),
+    "winch_controller_node": (21_390, 14_000),
+    "bags": (11_297, 7_700),
+    "bringup": (8_330, 6_100),
+    "extras/devices": (7_206, 4_900),
+    "extras/studies": (15_057, 6_000),
     "extras/statics": (2_840, 1_800),
     "extras/drives": (1_784, 1_784),
     "extras/panel": (1_647, 900),
