@@ -193,6 +193,11 @@ GUARD_DESIGN = structure(
     Row("limit_use", "", "share of the winch's limits that peaks may use: `guard.limit_use`"),
     Row("largest_demand", "", "demand of the sea's share that a law is given which keeps the limits by itself"),
     Row("keeps_limits", "", "1: the law keeps the winch's limits by itself"),
+    Row(
+        "unshown",
+        "",
+        "variance left of compensated motion, over that motion's, that a unit may have which has shown nothing",
+    ),
     Row("worth", "", "least residual that is worth less authority, over the motion with the winch locked"),
 )
 
@@ -236,6 +241,11 @@ GUARD_STATE = structure(
     Row("demand", "", "of the sea on the winch", DEMAND),
     Row("drum_share", "", "largest error of the drum of late, over the motion with the winch locked"),
     Row("locked", "", "heave with the winch locked, as the reference", AMPLITUDE),
+    Row(
+        "shown_left",
+        "",
+        "variance that the unit has shown of late to be left of compensated motion, over that motion's",
+    ),
 )
 
 SEEN = structure(

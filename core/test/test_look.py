@@ -296,6 +296,7 @@ def a_guard(**changed):
             "limit_use": 0.85,
             "largest_demand": 1.4,
             "keeps_limits": 0.0,
+            "unshown": 10.0,
             "worth": 0.01,
         }
         | changed
@@ -437,3 +438,17 @@ def test_the_authority_that_is_shown_is_that_of_unit_and_drum(free, tip, authori
 def test_a_unit_at_rest_in_a_resonance_shows_full_authority_and_one_in_short_waves_none():
     assert a_guard().step(Seen(free=2.0, tip=0.2), 0.0, 1.0, inhibits=False).shown > 0.98
     assert a_guard().step(Seen(free=0.1, tip=1.0), 0.0, 1.0, inhibits=False).shown < 0.02
+
+
+@pytest.mark.parametrize(("unit", "is_read", "best"), [(0.02, True, 1.0), (0.02, False, 0.3), (2.0, True, 0.3)])
+def test_what_is_not_known_of_the_sea_leaves_no_more_than_the_unit_shows(unit, is_read, best):
+    """A V of 0.7 / 0.3 has its least residual at A = 0.3; a unit at rest shows that hardly any of it is there."""
+    guard = a_guard()
+    for k in range(2400):
+        wave, rate = math.sin(0.37 * DT * k), 0.37 * math.cos(0.37 * DT * k)
+        heave, speed = unit * wave, unit * rate
+        seen = Seen(heave, speed, wave, rate, 0.2 * wave, 0.2 * rate, 0.2 * rate, heave if is_read else math.nan)
+        verdict = guard.step(seen._replace(unknown=0.7 / 0.3), 1.0 if k else 0.0, 1.0, inhibits=False)
+        if k == 40:
+            assert verdict.best_authority == pytest.approx(0.3), "two seconds show nothing"
+    assert verdict.best_authority == pytest.approx(best, abs=0.01)

@@ -14,6 +14,9 @@ double residual(double authority, double left) {
     return std::sqrt(square(1.0 - authority) + square(authority) * left);
 }
 
+// Mean square of a motion over that of its reference.
+double square_of(const AmplitudeCheck &check) { return square(amplitude_of(check)) / std::max(reference_of(check), 1e-12); }
+
 // Variance of the heave with the winch locked [m^2].
 double free_variance(const GuardDesign &design, const GuardState &state) {
     return std::max(reference_of(state.locked), square(design.floor));
@@ -28,11 +31,23 @@ void note_drum(const GuardDesign &design, GuardState &state, const Seen &seen) {
     state.drum_share = std::max(kept * state.drum_share, std::abs(seen.drum_error) / std::sqrt(free_variance(design, state)));
 }
 
-// Less than what the winch's limits allow is taken only where it is worth it.
+// What unit and depth sensor show to be left, V = (z^2 / z_off^2 - (1 - A)^2) / A^2, followed over the time in which authority
+// may change. Without authority, or a depth sensor, nothing is shown.
+void note_left(const GuardDesign &design, GuardState &state, const Seen &seen) {
+    const double authority = seen.authority, share = std::min(design.tick_period / design.fade_time, 1.0);
+    const bool is_read = state.measured.ticks * design.tick_period < design.detrend_time;
+    const double kept = std::max(square_of(state.swing), square_of(state.depth)) - square(1.0 - authority);
+    const double left = authority > 0.0 && is_read ? clip(kept / square(authority), 0.0, design.unshown) : design.unshown;
+    const double before = authority > 0.0 ? std::min(state.shown_left, design.unshown) : design.unshown;
+    state.shown_left = before + share * (left - before);
+}
+
+// Less than what the winch's limits allow is taken only where it is worth it. What is not known leaves no more than the unit
+// shows: a sea that is predicted badly, under which it hardly moves, is compensated.
 void predict_residual(const GuardDesign &design, const GuardState &state, const Seen &seen, Verdict &verdict) {
     const double allowed = verdict.allowed = design.keeps_limits != 0.0 ? verdict.authority : verdict.usual_authority;
     verdict.by_drum = 0.5 * square(state.drum_share);
-    const double left = verdict.by_drum + seen.unknown;
+    const double left = verdict.by_drum + std::min(seen.unknown, state.shown_left);
     const double best = std::min(allowed, 1.0 / (1.0 + left));
     const bool is_worth_it = residual(allowed, left) - residual(best, left) > design.worth;
     verdict.best_authority = is_worth_it ? best : allowed;

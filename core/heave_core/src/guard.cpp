@@ -133,6 +133,7 @@ void begin_guard(GuardState &state) {
     state = GuardState{};
     state.authority = authority;
     state.measured.last = state.error.last = state.demand.last_rate = NOT_KNOWN;
+    state.shown_left = ANY;
 }
 
 void restart_waves(GuardState &state) {
@@ -172,6 +173,7 @@ void guard(const GuardDesign &design, GuardState &state, const Seen &seen, Verdi
     check_drum(design, state, seen, change, swings);
     check_unit(design, state, seen, swings);
     note_drum(design, state, seen);
+    note_left(design, state, seen);
     predict_residual(design, state, seen, verdict);
     show_authority(design, seen, verdict);
     verdict.measured = -1.0;

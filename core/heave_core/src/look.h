@@ -42,6 +42,7 @@ void judge_demand(const GuardDesign &design, const WinchDemand &demand, Verdict 
 
 // authority.cpp: the residual that is predicted
 void note_drum(const GuardDesign &design, GuardState &state, const Seen &seen);
+void note_left(const GuardDesign &design, GuardState &state, const Seen &seen);
 void show_authority(const GuardDesign &design, const Seen &seen, Verdict &verdict);
 void predict_residual(const GuardDesign &design, const GuardState &state, const Seen &seen, Verdict &verdict);
 double measured_residual(const Seen &seen, const Verdict &verdict);

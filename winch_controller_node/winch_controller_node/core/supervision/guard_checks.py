@@ -104,6 +104,9 @@ FIRST_LOOK = 120.0
 LARGEST_DEMAND = 1.4
 """Demand of the sea's share over the winch that a law is given which keeps the limits by itself."""
 
+UNSHOWN = 10.0
+"""Variance of errors in compensation, over that with the winch locked, while the unit has not shown how large it is."""
+
 WORTH = 0.01
 """Least residual that is worth less authority, over the motion with the winch locked."""
 
@@ -186,5 +189,6 @@ def guard_design(parameters: GuardParameters, loop: GuardedLoop, tick_period: fl
         "limit_use": parameters.limit_use,
         "largest_demand": LARGEST_DEMAND,
         "keeps_limits": loop.keeps_limits,
+        "unshown": UNSHOWN,
         "worth": WORTH,
     }
