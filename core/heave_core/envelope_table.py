@@ -138,6 +138,7 @@ BOUNDS = structure(
     Row("stroke_margin", "m", "way beyond that at which the drum runs; twice the step of the count is added"),
     Row("stroke_gain", "", "weight of a way that is gained by acceleration beside one by speed: drives overshoot"),
     Row("stroke_late", "s", "time by which a drum may follow later than stated"),
+    Row("stroke_soon", "s", "the same of a drive that has kept to it for a `window`"),
     Row("stroke_span", "s", "time over which ways are formed, one beside the one before, for the acceleration"),
     Row("brake_margin", "m", "motion of the count under the brake that is allowed; a step of half of it may be a jump"),
     Row("rest_speed", "m/s", "speed below which a braked drum stands"),
@@ -209,6 +210,13 @@ STROKE = structure(
     Row("sent", "m", "by the nominal drum without delay"),
     Row("nominal", "m", "by the nominal drum"),
     Row("off", "m", "way of the count beyond that without delay"),
+)
+
+BEYOND = structure(
+    "Beyond",
+    "Way of the drum at a speed beyond any that was sent of late.",
+    Row("out", "m", "paid out"),
+    Row("in", "m", "hauled in"),
 )
 
 HELD_DRUM = structure(
@@ -303,8 +311,9 @@ STATE = structure(
     Row("stroke", "", "where the drum is", STROKE),
     Row("unjudged", "", "samples since the last reading of the count"),
     Row("strokes", "", "where it was, by sample", STROKE, (STROKES,)),
-    Row("beyond_out", "m", "way paid out at a speed beyond any that was sent of late"),
-    Row("beyond_in", "m", "way hauled in at a speed beyond any that was sent of late"),
+    Row("beyond", "", "of a drum that may be late", BEYOND),
+    Row("beyond_soon", "", "of one that has been punctual", BEYOND),
+    Row("punctual_time", "s", "for which a drum that turns has been so"),
     Row("resolution", "m", "smallest step of the count, in a minute; 0: none yet"),
     Row("runaway", "m", "way of the count beyond any that was sent; positive pays out"),
     Row("off_step", "m", "large step of the count beyond what was sent that may have been a jump"),
@@ -364,7 +373,23 @@ ORDER = structure(
     Row("highest", "m/s", "set-point up to which it may go next; infinite where no bound acts"),
 )
 
-STRUCTURES = (WINCH, CABLE, BOUNDS, DESIGN, SENT, DRUM, STROKE, HELD_DRUM, MOVE, BIN, SPREAD, STATE, READINGS, ORDER)
+STRUCTURES = (
+    WINCH,
+    CABLE,
+    BOUNDS,
+    DESIGN,
+    SENT,
+    DRUM,
+    STROKE,
+    BEYOND,
+    HELD_DRUM,
+    MOVE,
+    BIN,
+    SPREAD,
+    STATE,
+    READINGS,
+    ORDER,
+)
 """In the order in which C++ needs them."""
 
 RECORDS = (DESIGN, STATE, READINGS, ORDER)

@@ -64,6 +64,7 @@ BOUNDS = {
     "stroke_margin": 0.02,
     "stroke_gain": 0.7,
     "stroke_late": 0.6,
+    "stroke_soon": 0.1,
     "stroke_span": 0.3,
     "brake_margin": 0.03,
     "rest_speed": 0.02,
@@ -722,8 +723,9 @@ def test_a_step_of_the_count_alone_is_no_drum_that_runs(jump):
 
 
 def test_the_count_of_an_encoder_in_steps_of_3_cm_is_no_drum_that_runs():
-    rig = Rig().settled()
-    for _ in range(1200):
+    rig = Rig()
+    rig.run(20.0, 0.0, brake=True, duty=float(Duty.OPERATE))
+    for _ in range(4800):
         assert rig.step(count=round(rig.payout / 0.03) * 0.03).cause == Cause.NOTHING
         assert abs(float(rig.envelope.state["runaway"][0])) < BOUNDS["stroke_margin"] + 0.5 * 2.0 * 0.03
 
@@ -768,3 +770,19 @@ def test_a_take_over_begins_at_the_last_order_sent_with_the_acceleration_of_the_
     taken = [order.phase == Phase.TAKEN for order in rig.orders[begin:]].index(True)
     assert np.max(np.abs(np.diff(speeds[taken:]))) <= WINCH["acceleration"] * DT + 1e-12
     assert np.max(np.abs(speeds[taken + 1 :])) <= rig.orders[begin].rate_bound
+
+
+@pytest.mark.parametrize("is_known", [True, False])
+def test_a_drum_that_runs_under_orders_that_reverse_is_seen_where_the_drive_has_been_punctual(is_known):
+    """Three times as fast, and ordered back by a law that sees it: a drive that may be 0.6 s late might do the same."""
+    times = [0.0, 0.2, 0.35, 0.45, 0.6, 0.7, 0.8, 1.0, 1.1, 1.25, 1.45, 1.65, 1.95, 2.05, 2.35, 2.75, 3.05, 3.65, 3.95]
+    rates = [-17, -4, 8, 23, 36, 10, -17, -45, -50, -35, 0, 33, 72, 41, -10, -59, -3, 86, 17]  # of a loop [cm/s]
+    rig = Rig()
+    rig.run(20.0, 0.0, brake=True, duty=float(Duty.OPERATE))
+    rig.run(92.2)
+    if not is_known:
+        rig.envelope.state["punctual_time"] = 0.0
+    move, begin = rig._move, rig.tick
+    rig._move = lambda sent, *, braked: move(sent * (3.0 if rig.tick - begin > 4 else 1.0), braked=braked)
+    orders = [rig.step(0.01 * np.interp(tick * DT, times, rates)) for tick in range(78)]
+    assert (orders[-1].cause == Cause.DRUM) == is_known

@@ -115,7 +115,7 @@ double motion_of(double step, double large, double &alone, double &runs) {
 
 // Samples of the drum's way: one every so many ticks, those by which a drum may be late, those of a span.
 struct Samples {
-    int every, late, span;
+    int every, late, soon, span;
     double time;  // of one [s]
 };
 
@@ -123,7 +123,9 @@ Samples samples_of(const Design &design) {
     const double late = design.winch.delay + design.envelope.stroke_late, span = design.envelope.stroke_span;
     const int every = std::max(int(std::ceil((late + 2.0 * span) / (design.tick_period * (STROKES - 3)))), 1);
     const double time = every * design.tick_period;
-    return {every, int(std::ceil(late / time - 1e-6)), std::max(int(std::round(span / time)), 1), time};
+    const auto samples = [&](double lateness) { return int(std::ceil((design.winch.delay + lateness) / time - 1e-6)); };
+    const int soon = samples(std::min(design.envelope.stroke_soon, design.envelope.stroke_late));
+    return {every, samples(design.envelope.stroke_late), soon, std::max(int(std::round(span / time)), 1), time};
 }
 
 }  // namespace
@@ -169,8 +171,9 @@ namespace {
 // A drum that goes further than what was sent, or the other way. Whatever its lag and delay, its speed is a mean of those
 // that were sent, w = K int h(s) v(t - s) ds with h >= 0, and so lies between f times the least and the largest sent of
 // late; the same holds for the way of a span less that of the span before, its acceleration. What is beyond is summed,
-// B = max(B e^(-dt/T) + w dt - f v dt, 0) (Page, 1954). A drum that comes to rest sooner does no harm.
-void judge_sample(const Design &design, State &state, const Samples &samples, int newest) {
+// B = max(B e^(-dt/T) + w dt - f v dt, 0) (Page, 1954). A drum that comes to rest sooner does no harm. Returns the way beyond
+// what was sent within `latest` samples, positive out.
+double way_beyond(const Design &design, const State &state, const Samples &samples, int newest, int latest, Beyond &beyond) {
     const auto at = [&](int back) { return state.strokes[(state.sample + 2 * STROKES - newest - back) % STROKES]; };
     const auto sent = [&](int back) { return at(back).sent; };
     const auto nominal = [&](int back) { return at(back).nominal; };
@@ -181,19 +184,31 @@ void judge_sample(const Design &design, State &state, const Samples &samples, in
     const double as_stated = nominal(0) - nominal(1), bend = change(nominal, 0);
     double out = std::max(as_stated, 0.0), in = std::min(as_stated, 0.0);  // largest of late
     double outward = std::max(bend, 0.0), inward = std::min(bend, 0.0);
-    for (int late = 0; late <= samples.late; late++) {
+    for (int late = 0; late <= latest; late++) {
         const double step = sent(late) - sent(late + 1), more = change(sent, late);
         out = std::max(out, step), in = std::min(in, step);
         outward = std::max(outward, more), inward = std::min(inward, more);
     }
     const double left = std::exp(-samples.time / design.envelope.drum_time), factor = design.envelope.stroke_factor;
     const double step = counted(0) - counted(1), more = change(counted, 0);
-    state.beyond_out = std::max(left * state.beyond_out + step - factor * out, 0.0);
-    state.beyond_in = std::max(left * state.beyond_in - step + factor * in, 0.0);
+    beyond.out = std::max(left * beyond.out + step - factor * out, 0.0);
+    beyond.in = std::max(left * beyond.in - step + factor * in, 0.0);
     const double gains = design.envelope.stroke_gain;
-    const double runs_out = std::max(state.beyond_out, step > 0.0 ? gains * (more - factor * outward) : 0.0);
-    const double runs_in = std::max(state.beyond_in, step < 0.0 ? gains * (factor * inward - more) : 0.0);
-    state.runaway = runs_out > runs_in ? runs_out : -runs_in;
+    const double runs_out = std::max(beyond.out, step > 0.0 ? gains * (more - factor * outward) : 0.0);
+    const double runs_in = std::max(beyond.in, step < 0.0 ? gains * (factor * inward - more) : 0.0);
+    return runs_out > runs_in ? runs_out : -runs_in;
+}
+
+// A drive may be late, and then a drum that runs while its orders fall cannot be told from it. One that has turned for a
+// window and was not late by more than a little is not late all at once.
+void judge_sample(const Design &design, State &state, const Samples &samples, int newest) {
+    const double if_late = way_beyond(design, state, samples, newest, samples.late, state.beyond);
+    const double if_soon = way_beyond(design, state, samples, newest, samples.soon, state.beyond_soon);
+    const double limit = stroke_limit(design.envelope, state);
+    const bool is_punctual = state.punctual_time >= design.envelope.window;
+    if (!is_punctual && std::abs(if_soon) > 0.5 * limit) state.punctual_time = 0.0;
+    else if (std::abs(state.drum.rate) > design.envelope.rest_speed) state.punctual_time += samples.time;
+    state.runaway = is_punctual ? if_soon : if_late;
 }
 
 }  // namespace
@@ -212,7 +227,8 @@ void watch_strokes(const Design &design, State &state) {
 
 // A drum at rest: what it did before says nothing.
 void rest_drum(State &state) {
-    state.residual = state.runaway = state.beyond_out = state.beyond_in = 0.0;
+    state.residual = state.runaway = 0.0;
+    state.beyond = state.beyond_soon = Beyond{};
     forget_strokes(state);
 }
 

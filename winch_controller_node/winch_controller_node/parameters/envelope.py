@@ -52,6 +52,8 @@ class EnvelopeParameters:
     stroke_gain: float = parameter(0.7, "", 0.1, 1.0,
         "Weight of the check of acceleration relative to that of speed: a drive may overshoot.")  # fmt: skip
     stroke_late: float = parameter(0.6, "s", 0.0, 10.0, "Additional lag that a drive may have beyond the stated one.")
+    stroke_soon: float = parameter(0.1, "s", 0.0, 10.0,
+        "The same for a drive that was never later during the last envelope.window of motion.")  # fmt: skip
     stroke_span: float = parameter(0.3, "s", 0.05, 10.0,
         "Length of the two consecutive intervals that are compared for the acceleration.")  # fmt: skip
     brake_margin: float = parameter(0.025, "m", 0.002, 10.0,
