@@ -84,6 +84,8 @@ ARGUMENTS: Mapping[str, tuple[Any, ...]] = {
     "heave_core_nominal_load": (_POINTER,) * 2,
     "heave_core_nominal_load_read": (_POINTER, _POINTER, _NUMBER, _NUMBER, _NUMBER),
     "heave_core_load": (_POINTER, _POINTER, _NUMBER, _NUMBER, _COUNT),
+    "heave_core_modes": (_POINTER,) * 3,
+    "heave_core_modes_event": (_POINTER, _POINTER, _COUNT, _POINTER),
     "heave_core_advance_mean": (_POINTER,),
     "heave_core_is_moving": (_POINTER,),
     "heave_core_ticks_to_go": (_POINTER, _COUNT),
@@ -129,7 +131,7 @@ RESULTS: Mapping[str, Any] = {
     **dict.fromkeys(("heave_core_encoder", "heave_core_noise"), _NUMBER),
     **dict.fromkeys(("heave_core_advance_motion", "heave_core_sea", "heave_core_gate", "heave_core_mru"), _COUNT),
     **dict.fromkeys(("heave_core_gate_is_slow", "heave_core_mru_is_off", "heave_core_noise_is_worse"), _COUNT),
-    "heave_core_consistency": _COUNT,
+    **dict.fromkeys(("heave_core_consistency", "heave_core_modes", "heave_core_modes_event"), _COUNT),
     **dict.fromkeys(("heave_core_drum_error", "heave_core_place"), _NUMBER),
     **dict.fromkeys(("heave_core_act_tick", "heave_core_act_answer", "heave_core_load"), _COUNT),
 }

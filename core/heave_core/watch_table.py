@@ -5,10 +5,10 @@ from __future__ import annotations
 from enum import IntEnum, IntFlag
 
 from heave_core.look_table import HANGING_CABLE, HANGING_UNIT
-from heave_core.rows import COUNTER, Row, structure
+from heave_core.rows import COUNTER, Row, Size, structure
 from heave_core.servo_table import SERVO, SERVO_RUN
 
-REMEMBERED = 4096
+REMEMBERED = Size("REMEMBERED", 4096)
 """Readings of a trend that are kept."""
 
 WINDOWS = 3

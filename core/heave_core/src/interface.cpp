@@ -1,5 +1,6 @@
 // The C interface. Sizes and the number of the layout are asked for by whoever loads the library, before anything else.
 #include "act.h"
+#include "modes.h"
 #include "pass.h"
 #include "sense.h"
 
@@ -247,6 +248,16 @@ void heave_core_nominal_load(const heave::NominalLoadDesign *design, heave::Nomi
 
 void heave_core_nominal_load_read(const heave::NominalLoadDesign *design, heave::NominalLoadState *state, double time, double heave, double rate) {
     heave::read_nominal_load(*design, *state, time, heave, rate);
+}
+
+// The mode machine: a tick, which returns the event that was taken, -1: none; an event of an operator or the load, which
+// returns 1 where a row was taken.
+int heave_core_modes(const heave::ModeDesign *design, const heave::Situation *situation, heave::ModeState *state) {
+    return heave::step_modes(*design, *situation, *state);
+}
+
+int heave_core_modes_event(const heave::ModeDesign *design, const heave::Situation *situation, int event, heave::ModeState *state) {
+    return heave::take_event(*design, *situation, event, *state);
 }
 
 // The mean payout in motion: a tick of it, whether it moves, the ticks of its move that are left, and a tick of the loop's own
