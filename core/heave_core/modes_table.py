@@ -1,4 +1,4 @@
-"""The table of the mode machine: rows of transitions, times and rates, what it remembers, and what it is told.
+"""The table of mode machine and attempts: rows of transitions, times and rates, what is remembered, and what is told.
 
 The rows themselves, and the words of events and guards, are the controller's; they are handed over as an array.
 """
@@ -88,6 +88,16 @@ class ModeAction(IntEnum):
     DO_COUNT_LOSS = 8
 
 
+class WhyOff(IntEnum):
+    """Why compensation is to be off."""
+
+    NOT_OFF = 0
+    HARM_DONE = 1
+    HARM_CERTAIN = 2
+    HARM_UNEXPLAINED = 3
+    HARM_EXPLAINED = 4
+
+
 MODE_ROW = structure(
     "ModeRow",
     "A way from one mode to another; the same one: it stays, and only the actions are done.",
@@ -164,14 +174,38 @@ SITUATION = structure(
     Row("authority_limit", "", "largest authority that the winch can follow under this law"),
 )
 
-STRUCTURES = (MODE_ROW, MODE_DESIGN, MODE_STATE, SITUATION)
+ATTEMPT_DESIGN = structure(
+    "AttemptDesign",
+    "When compensation that has failed is tried again.",
+    Row("largest_residual", "", "motion that compensation may leave, over that with the winch locked"),
+    Row("interruption", "", "motion that a stop for want of commands leaves, over that with the winch locked"),
+    Row("learnt", "", "share of a tick in what the waves show"),
+)
+
+ATTEMPT_STATE = structure(
+    "AttemptState",
+    "What the attempts at compensation that failed have shown.",
+    Row("doubt", "", "variance that errors of unknown cause leave of compensated motion, over that motion's"),
+    Row("doubt_before", "", "the same before the last failure"),
+    Row("interruptions", "", "attempts that the winch has ended for want of commands, as far as they still count"),
+    Row("inhibits", "", "1: compensation is to be off", COUNTER),
+    Row("is_unexplained", "", "1: for a disagreement, until it is known who is wrong", COUNTER),
+    Row("is_present", "", "1: its reason lasts in this tick", COUNTER),
+    Row("distrusts", "", "1: the depth sensor disagrees with the estimate", COUNTER),
+    Row("why", "", "of WhyOff", COUNTER),
+    Row("harm", "", "that the attempt has done, bits of Harm", COUNTER),
+    Row("begun", "", "counts reasons: where it grows, another one holds from that tick on", COUNTER),
+    Row("pad", "", "keeps the numbers aligned", COUNTER),
+)
+
+STRUCTURES = (MODE_ROW, MODE_DESIGN, MODE_STATE, SITUATION, ATTEMPT_DESIGN, ATTEMPT_STATE)
 """In the order in which C++ needs them."""
 
-RECORDS = (MODE_DESIGN, MODE_STATE, SITUATION)
+RECORDS = (MODE_DESIGN, MODE_STATE, SITUATION, ATTEMPT_DESIGN, ATTEMPT_STATE)
 """What Python and C++ hold together."""
 
 SIZES = {"MODE_ROWS": MODE_ROWS, "ACTIONS": ACTIONS}
 """Sizes of arrays."""
 
-ENUMERATIONS: tuple[type[IntEnum | IntFlag], ...] = (ModeNumber, ModeEvent, ModeGuard, ModeAction)
+ENUMERATIONS: tuple[type[IntEnum | IntFlag], ...] = (ModeNumber, ModeEvent, ModeGuard, ModeAction, WhyOff)
 """Names of numbers, and of bits."""
