@@ -21,7 +21,9 @@ from heave_core.look_table import (
     LOOK_INPUTS,
     LOOK_STATE,
     MOTIONS,
+    SEEN,
     SIGMA,
+    VERDICT,
 )
 
 Array = NDArray[np.float64]
@@ -31,47 +33,8 @@ Motions = named(MOTIONS)
 """All motions at a tick."""
 
 
-class Seen(NamedTuple):
-    """What the guard compares at a tick: the first rows of SEEN, with their meanings and units."""
-
-    unit: float = 0.0
-    unit_rate: float = 0.0
-    free: float = 0.0
-    free_rate: float = 0.0
-    tip: float = 0.0
-    tip_rate: float = 0.0
-    payout_rate: float = 0.0
-    measured: float = np.nan
-    noise: float = 0.0
-    mean_acceleration: float = 0.0
-    drum_error: float = 0.0
-    unknown: float = 0.0
-    payout: float = 0.0
-
-
-class Verdict(NamedTuple):
-    """What the guard has found in a tick: the rows of VERDICT, with their meanings and units."""
-
-    bits: float
-    drum: float
-    swing: float
-    depth: float
-    mismatch: float
-    unit_sigma: float
-    free_sigma: float
-    least_gain: float
-    waves_time: float
-    tip_sigma: float
-    demand: float
-    coming: float
-    authority: float
-    usual_authority: float
-    allowed: float
-    best_authority: float
-    residual: float
-    by_drum: float
-    measured: float
-    shown: float
+Verdict = named(VERDICT)
+"""What the guard has found in a tick."""
 
 
 def padded(row: Array) -> Array:
@@ -189,46 +152,40 @@ class Guard:
 
     Attributes
     ----------
-    design, state : structured arrays of one element
+    design, state, found : structured arrays of one element; `found` in the last tick
     """
 
     def __init__(self, design: Mapping[str, Any]) -> None:
         core = library()
         self.design, self.state = new(GUARD_DESIGN), new(GUARD_STATE)
-        self._seen, self._verdict = np.zeros(len(Seen._fields) + 3), np.zeros(len(Verdict._fields))
+        self._seen, self.found = np.zeros(len(SEEN.rows)), new(VERDICT)
         self._at = self.design.ctypes.data, self.state.ctypes.data
-        self._seen_at, self._verdict_at = self._seen.ctypes.data, self._verdict.ctypes.data
+        self._seen_at, self._verdict_at = self._seen.ctypes.data, self.found.ctypes.data
         self._core, self._step = core, core.heave_core_guard
         fill(self.design[0], design)
         self.begin()
 
     def take_design(self, design: Mapping[str, Any]) -> None:
-        """Go by another `design` from now on."""
+        """Go by another `design` from now on, which another demand of the sea follows from."""
         fill(self.design[0], design)
+        self._core.heave_core_guard_demand(*self._at, self._verdict_at)
 
     @property
-    def verdict(self) -> Verdict:
-        """What was found last, with the sea's demand on the winch of the active design."""
-        self._core.heave_core_guard_demand(*self._at, self._verdict_at)
-        return Verdict._make(self._verdict.tolist())
+    def verdict(self) -> Any:
+        """What was found last, as a Verdict."""
+        return Verdict._make(self.found[0].item())
 
-    def step(self, seen: Seen, authority: float, target: float, *, inhibits: bool) -> Verdict:
-        """Take in what is `seen` in a tick; return what is found.
-
-        Parameters
-        ----------
-        seen : of the tick
-        authority, target : of compensation now, and that it goes to
-        inhibits : compensation is to be off already
-        """
-        self._seen[:] = (*seen, authority, target, inhibits)
+    def step(self, *seen: float) -> Any:
+        """Take in what is `seen` in a tick, the rows of SEEN; return what is found, as a Verdict."""
+        self._seen[:] = seen
         self._step(*self._at, self._seen_at, self._verdict_at)
-        return Verdict._make(self._verdict.tolist())
+        return self.verdict
 
     def begin(self) -> None:
         """Begin again: what was seen until now was another sea."""
         self._core.heave_core_guard_begin(self._at[1])
-        self._verdict[:] = 0.0
+        self.found[0] = np.zeros((), self.found.dtype)
+        self._core.heave_core_guard_demand(*self._at, self._verdict_at)
 
     def restart_waves(self) -> None:
         """Compare waves from now on."""

@@ -6,7 +6,7 @@ import math
 import numpy as np
 import pytest
 from heave_node.interface.codes import WinchFault
-from winch_controller_node.core.supervision.command_timeouts import WAIT
+from winch_controller_node.core.supervision.modes import WAIT
 from winch_controller_node.core.supervision.mode_machine import ModeMachine
 from winch_controller_node.core.supervision.modes import Mode, ModeError, Situation
 from winch_controller_node.parameters.laws import ModeParameters

@@ -3,6 +3,7 @@
 #include "modes.h"
 #include "pass.h"
 #include "sense.h"
+#include "supervise.h"
 
 extern "C" {
 
@@ -259,6 +260,36 @@ int heave_core_modes(const heave::ModeDesign *design, const heave::Situation *si
 int heave_core_modes_event(const heave::ModeDesign *design, const heave::Situation *situation, int event, heave::ModeState *state) {
     return heave::take_event(*design, *situation, event, *state);
 }
+
+int heave_core_modes_request(const heave::ModeDesign *design, const heave::Situation *situation, int event, heave::ModeState *state) {
+    return heave::request_mode(*design, *situation, event, *state);
+}
+
+int heave_core_modes_missing(const heave::ModeDesign *design, const heave::Situation *situation, int event, const heave::ModeState *state) {
+    return heave::missing_guards(*design, *situation, event, *state);
+}
+
+// Attempts: an operator asks, a belief has been corrected.
+void heave_core_attempts_release(const heave::GuardDesign *guard, const heave::AttemptDesign *design, heave::GuardState *guard_state, heave::AttemptState *state) {
+    heave::release_attempts({*guard, *design, *guard_state, *state});
+}
+
+double heave_core_attempts_largest(const heave::AttemptDesign *design, const heave::AttemptState *state) {
+    return heave::largest_residual(*design, *state);
+}
+
+int heave_core_attempts_awaits(const heave::AttemptDesign *design, const heave::AttemptState *state) {
+    return heave::awaits_operator(*design, *state);
+}
+
+void heave_core_attempts_explain(heave::AttemptState *state) { heave::explain_attempt(*state); }
+
+// Supervision of a tick, on addresses that Python fills once; the depths read in it.
+void heave_core_supervision_begin(heave::SupervisionState *state) { heave::begin_supervision(*state); }
+
+void heave_core_supervision_reset_sea(heave::SupervisionState *state) { heave::begin_highest_tension(*state); }
+
+void heave_core_supervise(const heave::Supervising *on, const double *depths) { heave::supervise(*on, depths); }
 
 // The mean payout in motion: a tick of it, whether it moves, the ticks of its move that are left, and a tick of the loop's own
 // answer to it with the model x' = A x + B u.

@@ -54,7 +54,7 @@ bool happens(int event, const View &view) {
     }
 }
 
-bool may_resume(const View &view) {
+bool resumes(const View &view) {
     return view.design.resumes && view.state.may_resume && well_time(view) > view.design.resume_time * patience(view);
 }
 
@@ -77,7 +77,7 @@ int missing(int guards, const View &view) {
             case IF_SETTLED_ESTIMATE: return is_settled(view);
             case IF_RESTS_IN_STANDBY: return state.rest == IN_STANDBY;
             case IF_RESTS_STOPPED: return state.rest == IN_STOPPED;
-            default: return may_resume(view);
+            default: return resumes(view);
         }
     };
     int found = 0;
@@ -88,7 +88,12 @@ int missing(int guards, const View &view) {
 
 void wait_for_operator(ModeState &state) { state.wants = state.may_resume = 0; }
 
-void act(const ModeDesign &design, int action, ModeState &state) {
+// The share of the sea that unit and drum show: neither has to go elsewhere first.
+double as_shown(const Situation &situation, const ModeState &state) {
+    return std::min(situation.shown_authority, state.factor * situation.authority_limit);
+}
+
+void act(const ModeDesign &design, const Situation &situation, int action, ModeState &state) {
     switch (action) {
         case DO_WANT_COMPENSATION: state.wants = state.may_resume = 1, state.losses = 0; return;
         case DO_WANT_REST: state.wants = 0, state.may_resume = 1, state.losses = 0; return;
@@ -96,6 +101,7 @@ void act(const ModeDesign &design, int action, ModeState &state) {
         case DO_END_STOPPED: state.rest = IN_STOPPED; return;
         case DO_COMPENSATE_NOTHING: state.authority = 0.0; return;
         case DO_COMPENSATE_ALL: state.authority = state.factor; return;
+        case DO_COMPENSATE_AS_SHOWN: state.authority = as_shown(situation, state); return;
         case DO_WAIT_FOR_OPERATOR: return wait_for_operator(state);
         case DO_COUNT_LOSS:
             if (++state.losses > design.most_losses) wait_for_operator(state);
@@ -135,12 +141,39 @@ bool is_braked(const ModeState &state) {
     return state.mode == IN_OFF || state.mode == IN_STANDBY || state.mode == IN_STOPPED || state.mode == IN_EMERGENCY_STOP;
 }
 
+bool may_resume(const ModeDesign &design, const Situation &situation, const ModeState &state) {
+    return resumes({design, situation, state});
+}
+
+// Who asks for a mode that moves the winch wants a frozen encoder to be tried again: at rest it cannot show that it is good.
+static Situation tried(Situation situation, int event) {
+    const bool moves = event == ON_ASK_COMPENSATING || event == ON_ASK_CONSTANT_TENSION || event == ON_ASK_MANUAL;
+    if (moves && situation.encoder_frozen != 0.0) situation.encoder_lost = 0.0;
+    return situation;
+}
+
+// Guards that keep the first row of an event from being taken, bits of ModeGuard; -1: there is no such row.
+int missing_guards(const ModeDesign &design, const Situation &given, int event, const ModeState &state) {
+    const Situation situation = tried(given, event);
+    for (int i = 0; i < design.count; i++) {
+        const ModeRow &row = design.rows[i];
+        if (row.mode == state.mode && row.event == event) return missing(row.guards, {design, situation, state});
+    }
+    return -1;
+}
+
+// An operator who asks for a mode knows of the fault that is there, and the brake acknowledges it.
+bool request_mode(const ModeDesign &design, const Situation &situation, int event, ModeState &state) {
+    state.known_fault = int(situation.winch_fault);
+    return take_event(design, tried(situation, event), event, state);
+}
+
 // Takes the first row of an event whose guards hold; returns whether there is one.
 bool take_event(const ModeDesign &design, const Situation &situation, int event, ModeState &state) {
     for (int i = 0; i < design.count; i++) {
         const ModeRow &row = design.rows[i];
         if (row.mode != state.mode || row.event != event || missing(row.guards, {design, situation, state})) continue;
-        for (const int action : row.actions) act(design, action, state);
+        for (const int action : row.actions) act(design, situation, action, state);
         if (row.target != state.mode) enter(row.target, state);
         return true;
     }
