@@ -25,6 +25,7 @@ from heave_core.look_table import (
     SIGMA,
     VERDICT,
 )
+from heave_core.modes_table import ATTEMPT_DESIGN, ATTEMPT_STATE
 
 Array = NDArray[np.float64]
 
@@ -144,25 +145,29 @@ class Look:
 
 
 class Guard:
-    """The guard's statistics with their memory.
+    """The guard's statistics, and what attempts at compensation have shown, with their memory.
 
     Parameters
     ----------
     design : values by the names of GUARD_DESIGN
+    attempts : values by the names of ATTEMPT_DESIGN
 
     Attributes
     ----------
-    design, state, found : structured arrays of one element; `found` in the last tick
+    design, state, attempt_design, attempts, found : structured arrays of one element; `found` in the last tick
     """
 
-    def __init__(self, design: Mapping[str, Any]) -> None:
+    def __init__(self, design: Mapping[str, Any], attempts: Mapping[str, Any]) -> None:
         core = library()
-        self.design, self.state = new(GUARD_DESIGN), new(GUARD_STATE)
-        self._seen, self.found = np.zeros(len(SEEN.rows)), new(VERDICT)
+        self.design, self.state, self.found = new(GUARD_DESIGN), new(GUARD_STATE), new(VERDICT)
+        self.attempt_design, self.attempts = new(ATTEMPT_DESIGN), new(ATTEMPT_STATE)
+        self._seen = np.zeros(len(SEEN.rows))
         self._at = self.design.ctypes.data, self.state.ctypes.data
+        self._attempts_at = self.attempt_design.ctypes.data, self.attempts.ctypes.data
         self._seen_at, self._verdict_at = self._seen.ctypes.data, self.found.ctypes.data
         self._core, self._step = core, core.heave_core_guard
         fill(self.design[0], design)
+        fill(self.attempt_design[0], attempts)
         self.begin()
 
     def take_design(self, design: Mapping[str, Any]) -> None:
@@ -175,10 +180,18 @@ class Guard:
         """What was found last, as a Verdict."""
         return Verdict._make(self.found[0].item())
 
-    def step(self, *seen: float) -> Any:
-        """Take in what is `seen` in a tick, the rows of SEEN; return what is found, as a Verdict."""
+    def step(self, *seen: float, fades: bool = False, is_certain: bool = False) -> Any:
+        """Take in what is `seen` in a tick, the rows of SEEN; return what is found, as a Verdict.
+
+        Parameters
+        ----------
+        seen : in the tick
+        fades : the winch comes to rest after it
+        is_certain : compensation must be off, for a reason that no attempt has brought about
+        """
         self._seen[:] = seen
-        self._step(*self._at, self._seen_at, self._verdict_at)
+        (design, state), (attempt_design, attempts) = self._at, self._attempts_at
+        self._step(design, attempt_design, state, attempts, self._seen_at, fades, is_certain, self._verdict_at)
         return self.verdict
 
     def begin(self) -> None:
@@ -187,13 +200,25 @@ class Guard:
         self.found[0] = np.zeros((), self.found.dtype)
         self._core.heave_core_guard_demand(*self._at, self._verdict_at)
 
-    def restart_waves(self) -> None:
-        """Compare waves from now on."""
-        self._core.heave_core_guard_restart_waves(self._at[1])
+    def release(self) -> None:
+        """Let compensation be tried as at first: an operator asks for it."""
+        (design, state), (attempt_design, attempts) = self._at, self._attempts_at
+        self._core.heave_core_attempts_release(design, attempt_design, state, attempts)
 
-    def allow_catch_up(self) -> None:
-        """Do not check the drum for some seconds: the law has to catch up with what it could not see."""
-        self._core.heave_core_guard_allow_catch_up(*self._at)
+    def explain(self) -> None:
+        """Take the last failure back: a wrong belief has just been corrected."""
+        self._core.heave_core_attempts_explain(self._attempts_at[1])
+
+    @property
+    def largest_residual(self) -> float:
+        """Largest residual with which compensation is tried, over the motion with the winch locked."""
+        largest: float = self._core.heave_core_attempts_largest(*self._attempts_at)
+        return largest
+
+    @property
+    def awaits_operator(self) -> bool:
+        """Tell whether no authority would gain enough any more."""
+        return bool(self._core.heave_core_attempts_awaits(*self._attempts_at))
 
     def allow_resumption(self) -> None:
         """Do not hold against the loop how drum and unit moved while a sensor was lost."""

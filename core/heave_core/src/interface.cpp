@@ -88,9 +88,10 @@ void heave_core_look_take_unit(const heave::LookDesign *design, heave::LookState
     heave::take_unit(*design, *state, {heave, rate});
 }
 
-// The guard: a tick, the demand under another design, the jumps.
-void heave_core_guard(const heave::GuardDesign *design, heave::GuardState *state, const heave::Seen *seen, heave::Verdict *verdict) {
-    heave::guard(*design, *state, *seen, *verdict);
+// The guard and its attempts: a tick, the demand under another design, the jumps.
+void heave_core_guard(const heave::GuardDesign *design, const heave::AttemptDesign *attempts, heave::GuardState *state, heave::AttemptState *attempted, const heave::Seen *seen, int fades, int is_certain, heave::Verdict *verdict) {
+    if (is_certain) heave::inhibit(*attempted);
+    heave::judge_attempt({*design, *attempts, *state, *attempted}, *seen, fades, *verdict);
 }
 
 void heave_core_guard_demand(const heave::GuardDesign *design, const heave::GuardState *state, heave::Verdict *verdict) {
@@ -98,10 +99,6 @@ void heave_core_guard_demand(const heave::GuardDesign *design, const heave::Guar
 }
 
 void heave_core_guard_begin(heave::GuardState *state) { heave::begin_guard(*state); }
-
-void heave_core_guard_restart_waves(heave::GuardState *state) { heave::restart_waves(*state); }
-
-void heave_core_guard_allow_catch_up(const heave::GuardDesign *design, heave::GuardState *state) { heave::allow_catch_up(*design, *state); }
 
 void heave_core_guard_allow_resumption(const heave::GuardDesign *design, heave::GuardState *state) { heave::allow_resumption(*design, *state); }
 

@@ -20,10 +20,9 @@ from __future__ import annotations
 
 import math
 
-from heave_core.library import fill, library, new
 from heave_core.look import Guard, Verdict
 from heave_core.look_table import Harm
-from heave_core.modes_table import ATTEMPT_DESIGN, ATTEMPT_STATE, WhyOff
+from heave_core.modes_table import WhyOff
 from heave_node.interface.alarm import Alarm
 
 from winch_controller_node.core.supervision.attempts import INTERRUPTION, prospect
@@ -47,22 +46,18 @@ class HarmGuard:
     Attributes
     ----------
     core : what is measured and compared
-    attempt_design, attempts : arrays of one of the core's structures
     time : of the tick [s]
     alarm : why it inhibits; None where it does not
     """
 
     def __init__(self, parameters: GuardParameters, loop: GuardedLoop, *, tick_period: float) -> None:
         self._parameters, self._dt = parameters, tick_period
-        self.core = Guard(guard_design(parameters, loop, tick_period))
-        self.attempt_design, self.attempts = new(ATTEMPT_DESIGN), new(ATTEMPT_STATE)
+        attempts = {"largest_residual": parameters.harm_ratio, "interruption": INTERRUPTION}
         learnt = tick_period / parameters.window
-        values = {"largest_residual": parameters.harm_ratio, "interruption": INTERRUPTION, "learnt": learnt}
-        fill(self.attempt_design[0], values)
-        self._state, self._found = self.attempts[0], self.core.found[0]
+        self.core = Guard(guard_design(parameters, loop, tick_period), {**attempts, "learnt": learnt})
+        self._state, self._found = self.core.attempts[0], self.core.found[0]
         self._alarm: Alarm | None = None
         self._certain: Alarm | None = None
-        self._at = [one.ctypes.data for one in (self.core.design, self.attempt_design, self.core.state, self.attempts)]
         self.time = 0.0
         self.reset_sea()
 
@@ -94,11 +89,11 @@ class HarmGuard:
     @property
     def awaits_operator(self) -> bool:
         """Tell whether compensation is off until an operator asks for it: no authority would gain enough any more."""
-        return self.inhibits and bool(library().heave_core_attempts_awaits(self._at[1], self._at[3]))
+        return self.inhibits and self.core.awaits_operator
 
     def release(self) -> None:
         """Let compensation be tried as at first: an operator asks for it."""
-        library().heave_core_attempts_release(*self._at)
+        self.core.release()
 
     @property
     def prospect(self) -> str:
@@ -135,8 +130,7 @@ class HarmGuard:
     @property
     def largest_residual(self) -> float:
         """Largest of it with which compensation is tried."""
-        largest: float = library().heave_core_attempts_largest(self._at[1], self._at[3])
-        return largest
+        return self.core.largest_residual
 
     @property
     def cause(self) -> str:
@@ -147,10 +141,6 @@ class HarmGuard:
     def take_loop(self, loop: GuardedLoop) -> None:
         """Watch another loop from now on: another design is active."""
         self.core.take_design(guard_design(self._parameters, loop, self._dt))
-
-    def allow_catch_up(self) -> None:
-        """Do not check the drum for some seconds: the law has to catch up with what it could not see."""
-        self.core.allow_catch_up()
 
     def reset_mismatch(self) -> None:
         """Compare depth sensor and estimate again: what was seen until now says nothing of either."""
@@ -174,7 +164,7 @@ class HarmGuard:
         belief : what it is about, as "winch"
         """
         reasons = int(self._state["begun"])
-        library().heave_core_attempts_explain(self._at[-1])
+        self.core.explain()
         if self._state["begun"] != reasons:
             self._alarm = ALARMS.alarm("DEPTH_MRU_EXPLAINED", part=belief)
         since = self.time - self._corrected_first.get(belief, -math.inf)

@@ -145,7 +145,7 @@ class Supervisor:
         guard, landing, modes = self.guard, self.landing.core, self.modes
         parts = (
             *(self._design, self._state, self._seen, self._done, landing.design, landing.state),
-            *(guard.core.design, guard.core.state, guard.core.found, guard.attempt_design, guard.attempts),
+            *(guard.core.design, guard.core.state, guard.core.found, guard.core.attempt_design, guard.core.attempts),
             *(modes.design, modes.state, modes.situation),
         )
         self._addresses = np.array([*sensed.sense, sensed.tick, *(part.ctypes.data for part in parts)], np.intp)
