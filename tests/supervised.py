@@ -42,6 +42,7 @@ class Seen(NamedTuple):
     mean_acceleration: float = 0.0
     drum_error: float = 0.0
     unknown: float = 0.0
+    payout: float = 0.0
 
 
 ATTEMPTS = {"largest_residual": 0.9, "interruption": 0.25, "learnt": 0.0}
@@ -102,6 +103,7 @@ class Told(NamedTuple):
     awaits_operator: bool = False
     resumes_after_fault: bool = False
     envelope: str = ""
+    shown_authority: float = 0.0
 
     @property
     def words(self):
@@ -115,6 +117,7 @@ class Told(NamedTuple):
         return {
             "lost": bool(self.lost),
             "encoder_lost": "encoder" in self.lost,
+            "encoder_frozen": "encoder frozen" in self.lost,
             "winch_silent": "encoder stale" in self.lost,
             "has_estimate": self.has_estimate,
             "winch_fault": self.winch_fault,
@@ -128,6 +131,7 @@ class Told(NamedTuple):
             "is_damped_blind": self.is_damped_blind,
             "speed": self.speed,
             "authority_limit": self.authority_limit,
+            "shown_authority": self.shown_authority,
         }
 
 

@@ -130,6 +130,13 @@ void count_time(const ModeDesign &design, const Situation &situation, ModeState 
     else if (!is_lost) state.well_time += dt;
 }
 
+// Who asks for a mode that moves the winch wants a frozen encoder to be tried again: at rest it cannot show that it is good.
+Situation tried(Situation situation, int event) {
+    const bool moves = event == ON_ASK_COMPENSATING || event == ON_ASK_CONSTANT_TENSION || event == ON_ASK_MANUAL;
+    if (moves && situation.encoder_frozen != 0.0) situation.encoder_lost = 0.0;
+    return situation;
+}
+
 }  // namespace
 
 // A fade-out goes on for as long as the boom tip is not known: no operator has asked for rest.
@@ -143,13 +150,6 @@ bool is_braked(const ModeState &state) {
 
 bool may_resume(const ModeDesign &design, const Situation &situation, const ModeState &state) {
     return resumes({design, situation, state});
-}
-
-// Who asks for a mode that moves the winch wants a frozen encoder to be tried again: at rest it cannot show that it is good.
-static Situation tried(Situation situation, int event) {
-    const bool moves = event == ON_ASK_COMPENSATING || event == ON_ASK_CONSTANT_TENSION || event == ON_ASK_MANUAL;
-    if (moves && situation.encoder_frozen != 0.0) situation.encoder_lost = 0.0;
-    return situation;
 }
 
 // Guards that keep the first row of an event from being taken, bits of ModeGuard; -1: there is no such row.
