@@ -153,7 +153,8 @@ RESUMES = {"well_time": PARAMETERS.resume_time + 0.05}
         (BRAKE_HELD, {"time": RELEASE_TIME}, True),
         (BRAKE_HELD, {"time": RELEASE_TIME - 0.05}, False),
         (HAS_ENCODER, {"lost": "mru frozen"}, True),
-        (HAS_ENCODER, {"lost": "encoder frozen"}, False),
+        (HAS_ENCODER, {"lost": "encoder frozen"}, True),  # an operator wants it to be tried again
+        (HAS_ENCODER, {"lost": "encoder stale"}, False),
         (RESTS_IN_STANDBY, {}, True),
         (RESTS_IN_STANDBY, {"rest": Mode.STOPPED}, False),
         (RESTS_STOPPED, {"rest": Mode.STOPPED}, True),
