@@ -70,14 +70,13 @@ class Judge(HarmGuard):
 
     def update(self, seen, authority, target=1.0, *, fades=False, certain=None):
         """Take a tick in; `certain`: compensation must be off for this reason."""
-        self.time += self._period
+        self.begin_tick(self._time + self._period)
         begun = int(self.core.attempts["begun"][0])
         if certain is not None:
             self.note_certain(certain)
         self.core.step(*seen, authority, target, 0.0, fades=fades, is_certain=certain is not None)
         if self.core.attempts["begun"][0] != begun:
             self.note()
-
 
     def interrupt(self):
         """Count an attempt that the winch has ended; tell whether an operator has to ask now."""
@@ -86,7 +85,7 @@ class Judge(HarmGuard):
 
 
 class Told(NamedTuple):
-    """What the mode machine is told of a tick, in words and numbers."""
+    """Inputs of the mode machine at a tick, in words and numbers."""
 
     lost: str = ""
     has_estimate: bool = True
@@ -145,7 +144,7 @@ class Machine(mode_machine.ModeMachine):
         return not missing & ModeGuard.IF_MAY_RESUME
 
     def step(self, told):
-        """Advance a tick of which it is `told`."""
+        """Advance a tick with the inputs `told`."""
         fill(self.situation[0], told.numbers)
         event = library().heave_core_modes(self._at[0], self._at[1], self._at[2])
         before = int(self.state["before"][0])
@@ -203,7 +202,9 @@ class Supervised:
         self.number += 1
         lost = lost if isinstance(lost, dict) else dict.fromkeys(lost, "stale")
         usual = {"knows_tip": 1, "knows_sea": 1, "has_encoder": 1, "has_depth": 1, "sees_landing": 1}
-        unknown = dict.fromkeys(("tension", "filtered_tension", "tension_mean", "depth_heave", "depth_innovation"), math.nan)
+        unknown = dict.fromkeys(
+            ("tension", "filtered_tension", "tension_mean", "depth_heave", "depth_innovation"), math.nan
+        )
         given = {"number": self.number, **usual, **unknown, **tick}
         row = self._tick[0]
         for name, value in given.items():

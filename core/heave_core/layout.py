@@ -19,12 +19,11 @@ from heave_core import (
     look_table,
     modes_table,
     sense_table,
-    servo_table,
     watch_table,
 )
 from heave_core.rows import COUNTER, NUMBER, Structure
 
-TABLES = (envelope_table, filter_table, look_table, law_table, servo_table, watch_table, sense_table, modes_table)
+TABLES = (envelope_table, filter_table, look_table, law_table, watch_table, sense_table, modes_table)
 """By subject, in the order in which C++ needs them."""
 
 STRUCTURES = tuple(one for table in TABLES for one in table.STRUCTURES)

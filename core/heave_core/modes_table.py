@@ -1,4 +1,4 @@
-"""The table of the mode machine: rows of transitions, times and rates, what it remembers, and what it is told.
+"""The table of supervision: mode machine, attempts, gates, and what is decided in a tick.
 
 The rows themselves, and the words of events and guards, are the controller's; they are handed over as an array.
 """
@@ -199,7 +199,7 @@ MODE_STATE = structure(
 
 SITUATION = structure(
     "Situation",
-    "What the mode machine is told at a tick.",
+    "Inputs of the mode machine at a tick.",
     Row("lost", "", "1: a sensor that the present mode requires is lost"),
     Row("encoder_lost", "", "1: the encoder is, and the mode requires it"),
     Row("encoder_frozen", "", "1: since its reading stays the same, as it does at rest"),
@@ -252,6 +252,7 @@ SUPERVISION_DESIGN = structure(
     Row("command_timeout", "", "fault of a winch that got no command in time", COUNTER),
     Row("emergency_stop", "", "fault of a winch whose emergency stop acts", COUNTER),
     Row("automatic", "", "bits of the faults, by number, that a controller may release by itself", COUNTER),
+    Row("pad", "", "keeps the numbers aligned", COUNTER),
     Row("cautious", "", "authority that is best in a sea that is not the assumed one"),
     Row("quiet_time", "s", "for which a cause must be away before it is reported again"),
     Row("least_rate", "m/s", "above which the winch lowers"),
@@ -304,6 +305,7 @@ SUPERVISION_STATE = structure(
     Row("is_off", "", "1: depth sensor and payout disagree", COUNTER),
     Row("is_kept", "", "1: the highest tension is one that compensation can keep", COUNTER),
     Row("is_low", "", "1: it is too low for this sea", COUNTER),
+    Row("pad", "", "keeps the numbers aligned", COUNTER),
     Row("link_well", "s", "time for which winch, link and sensors have been well"),
     Row("held", "s", "time for which authority has been limited; below 0: it was reported"),
     Row("free", "s", "time since it is not limited any more"),
@@ -318,7 +320,12 @@ SUPERVISION_STATE = structure(
     Row("stretch", "m", "of the cable under a locked winch", SIGMA),
     Row("least_ratio", "", "least highest tension over the static one"),
     Row("enough", "s", "time for which the highest tension has been enough"),
-    Row("quiet", "s", "time for which each cause has been away: load, depth and payout, lowering blind", shape=(EPISODES,)),
+    Row(
+        "quiet",
+        "s",
+        "time for which each cause has been away: load, depth and payout, lowering blind",
+        shape=(EPISODES,),
+    ),
     Row("past", "m", "heave of the unit about the mean payout's, by ticks", shape=(UNIT_PAST,)),
 )
 

@@ -23,7 +23,9 @@ class Attempts(Judge):
 
     def __init__(self):
         limits = WinchLimits(2.0, 1.5, -50.0, 50.0)
-        super().__init__(GuardParameters(window=20.0, floor=0.02, harm_ratio=LARGEST), GuardedLoop(limits), tick_period=DT)
+        super().__init__(
+            GuardParameters(window=20.0, floor=0.02, harm_ratio=LARGEST), GuardedLoop(limits), tick_period=DT
+        )
 
     def find(self, check=None, *, authority=0.0, unknown=0.0, certain=None):
         """Do a tick in which so much is found of a `check` of the guard."""
@@ -79,7 +81,7 @@ def test_each_failure_leaves_as_much_again_until_no_authority_gains_a_tenth_and_
 
 
 def test_it_is_tried_again_once_it_is_off_and_predicted_to_help():
-    """A doubt of 1 and what is not known of V leave sqrt((V + 1) / (V + 2)): 0.894 of 3, 0.913 of 4."""
+    """After one failure, what is not known of V leaves sqrt((V + 1) / (V + 2)): 0.894 of 3, 0.913 of 4."""
     attempts = Attempts()
     attempts.fail()
     assert not attempts.over(authority=0.5)
@@ -160,8 +162,8 @@ def test_harm_after_a_disagreement_that_is_over_is_not_explained_by_it():
     assert Harm(int(attempts.core.attempts["harm"][0])) == Harm.SWING_HIGH
 
 
-def test_waves_in_which_it_goes_well_take_doubt_and_interruptions_back():
-    """A window of 20 s: exp(-1) of a doubt is left after it, and after five of them 0.7 % of an interruption."""
+def test_waves_in_which_it_goes_well_take_failures_and_interruptions_back():
+    """A window of 20 s: exp(-1) of a failure is left after it, and after five of them 0.7 % of an interruption."""
     attempts = Attempts()
     attempts.fail()
     attempts.over()

@@ -92,7 +92,7 @@ class Link(Supervised):
         self.step()
 
     def feed(self, seconds, fault=WinchFault.COMMAND_TIMEOUT, *, mode=Mode.STOPPED, **given):
-        """Let the winch report a `fault` for some time; return what is told of it."""
+        """Let the winch report a `fault` for some time; return what is reported of it."""
         found = []
         for _ in range(round(seconds / DT)):
             if self.supervisor.modes.mode is not mode:

@@ -6,8 +6,7 @@ import math
 import numpy as np
 import pytest
 from heave_node.interface.codes import WinchFault
-from winch_controller_node.core.supervision.modes import WAIT
-from winch_controller_node.core.supervision.modes import Mode, ModeError
+from winch_controller_node.core.supervision.modes import WAIT, Mode, ModeError
 from winch_controller_node.parameters.laws import ModeParameters
 
 from tests.supervised import Machine, Told

@@ -168,7 +168,7 @@ bool may_damp(const Supervising &on, const Lost &lost) {
     return on.tick->has_depth != 0.0 && !lost.depth && !is_mru_lost;
 }
 
-// What the mode machine is told; returns whether the unit is damped. A unit that stands is at rest, and one that swings as
+// Inputs of the mode machine; returns whether the unit is damped. A unit that stands is at rest, and one that swings as
 // below a locked winch may go beyond a highest tension.
 bool fill_situation(const Supervising &on, const Lost &lost) {
     const SupervisionSeen &seen = *on.seen;

@@ -97,7 +97,9 @@ class WinchController(ControllerEvents):
         ]
         sensors = tuple(state.reported(does) for state in states)
         reason = self.modes.reason if self.mode is decision.mode.mode else decision.mode.reason
-        known = Known(self.design, self._in_force.law, self.estimator, self._estimation.depth_set_point, sensors, reason)
+        known = Known(
+            self.design, self._in_force.law, self.estimator, self._estimation.depth_set_point, sensors, reason
+        )
         return state_report(loop, decision, self._command.last, order, known)
 
     def _does(self, loop: LoopTick, decision: Decision) -> str:

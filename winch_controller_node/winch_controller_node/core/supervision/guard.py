@@ -46,7 +46,6 @@ class HarmGuard:
     Attributes
     ----------
     core : what is measured and compared
-    time : of the tick [s]
     alarm : why it inhibits; None where it does not
     """
 
@@ -58,7 +57,7 @@ class HarmGuard:
         self._state, self._found = self.core.attempts[0], self.core.found[0]
         self._alarm: Alarm | None = None
         self._certain: Alarm | None = None
-        self.time = 0.0
+        self._time = 0.0
         self.reset_sea()
 
     def reset_sea(self) -> None:
@@ -120,7 +119,7 @@ class HarmGuard:
     @property
     def shown_authority(self) -> float:
         """Authority that unit and drum show, as they move."""
-        return self._found.shown
+        return float(self._found["shown"])
 
     @property
     def residual(self) -> float:
@@ -167,14 +166,18 @@ class HarmGuard:
         self.core.explain()
         if self._state["begun"] != reasons:
             self._alarm = ALARMS.alarm("DEPTH_MRU_EXPLAINED", part=belief)
-        since = self.time - self._corrected_first.get(belief, -math.inf)
+        since = self._time - self._corrected_first.get(belief, -math.inf)
         if since > CORRECTIONS_REST:
-            self._corrected_first[belief] = self.time
+            self._corrected_first[belief] = self._time
         elif since > CORRECTIONS_TIME:
             return
         self.allow_resumption()
         self._state["distrusts"] = 0
         self.reset_mismatch()
+
+    def begin_tick(self, time: float) -> None:
+        """Go on at a `time` [s]."""
+        self._time = time
 
     def note_certain(self, reason: Alarm) -> None:
         """Note the `reason` for which compensation must be off in this tick, and that no attempt has brought about."""

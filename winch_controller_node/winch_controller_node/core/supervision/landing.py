@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import Enum
-from typing import Any, NamedTuple
+from typing import Any
 
 from heave_core.watch import LandingWatch
 from heave_core.watch_table import LANDING_STATE, Landed

@@ -1,4 +1,4 @@
-"""The mode machine: requests, and in words why a mode is what it is. The core runs the table (`heave_core`, modes.cpp)."""
+"""The mode machine in words: requests, and why a mode is what it is. `heave_core` (modes.cpp) runs the table."""
 
 from __future__ import annotations
 
@@ -66,7 +66,8 @@ class ModeMachine:
         fill(self.design[0], mode_design(parameters, tick_period))
         self.mode = Mode.STANDBY if moves_winch else Mode.OFF
         self._entered = SETTLED_ESTIMATE.name if moves_winch else "law off"
-        self._has_entered, self._look = True, Situation
+        self._has_entered = True
+        self._look: Callable[[], Situation] = Situation
         number = MODES.index(self.mode)
         times = dict.fromkeys(("time", "well_time", "lost_time", "coasted", "authority", "losses"), 0.0)
         memory = {"wants": parameters.start == "compensating", "may_resume": True, "rest": ModeNumber.IN_STANDBY}
@@ -216,7 +217,7 @@ class ModeMachine:
             return _harm(now)
         if event is Event.ENVELOPE:
             return f"{now.envelope}; check the cause, then request a mode"
-        return event.value
+        return str(event.value)
 
     def _after_loss(self, now: Situation) -> str:
         """Return what becomes of a mode that a lost sensor has ended, once that is good again."""

@@ -70,7 +70,7 @@ STANDSTILL = 1e-3
 
 
 WAIT = 3.0
-"""Time that a winch without commands stands with all sensors and its link well before compensation is tried again [s]."""
+"""Time for which a winch, its link and all sensors are well after a timeout before compensation is tried again [s]."""
 
 
 class ModeError(ValueError):
@@ -332,7 +332,7 @@ def event_number(event: Event) -> int:
 
 def _rows() -> list[dict[str, Any]]:
     """Return the table as the core has it: a row for each mode that is left."""
-    found = [
+    return [
         {
             "mode": ModeNumber[f"IN_{mode.name}"],
             "event": event_number(row.event),
@@ -343,11 +343,10 @@ def _rows() -> list[dict[str, Any]]:
         for row in TABLE
         for mode in row.sources
     ]
-    return found
 
 
 def mode_design(parameters: ModeParameters, tick_period: float) -> dict[str, Any]:
-    """Return the values of the core's ModeDesign; `tick_period` [s]."""
+    """Return the values of the core's ModeDesign, of its `parameters` and a `tick_period` [s]."""
     rows = _rows()
     empty = {"mode": ModeNumber.NO_MODE, "event": 0, "target": 0, "guards": 0, "actions": (0,) * ACTIONS}
     return {

@@ -1,4 +1,4 @@
-"""Supervision of a tick, in words: what is decided is in C++ (`heave_core`, supervise.cpp), a bit for all that happens."""
+"""Supervision of a tick, in words: what is decided is in C++ (`heave_core`, supervise.cpp), a bit for each event."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ from heave_node.interface.alarm import Alarm
 from heave_node.interface.codes import COMPENSATION_LOST, MODE_CHANGED, REQUESTED
 
 from winch_controller_node.core.estimation.loop_tick import TENSION_MEMORY, LoopTick
-from winch_controller_node.core.supervision.entry_gates import hanging_words, peaks_alarm, peaks_words, range_words
 from winch_controller_node.core.supervision.attempts import too_much
+from winch_controller_node.core.supervision.entry_gates import hanging_words, peaks_alarm, peaks_words, range_words
 from winch_controller_node.core.supervision.guard import HarmGuard
 from winch_controller_node.core.supervision.guard_checks import GuardedLoop
 from winch_controller_node.core.supervision.landing import EVENTS, HangingLoad, Landing, LandingEvent
@@ -176,7 +176,7 @@ class Supervisor:
     def decide(self, tick: LoopTick, winch: WinchSituation) -> Decision:
         """Return what is to be done in a tick with the `winch` in this situation."""
         guard, inhibition, gate = self.guard, winch.inhibition, winch.proven.gate
-        guard.time = tick.number * self._dt
+        guard.begin_tick(tick.number * self._dt)
         if inhibition:
             guard.note_certain(inhibition)
         self._seen[:] = (
@@ -263,7 +263,7 @@ class Supervisor:
         return ALARMS.alarm("TENSION_LIMIT_LOW", needed=needed, limit=float(self._design["highest_ratio"][0]))
 
     def _report_peaks(self, mode: ModeOutput) -> tuple[Alarm, ...]:
-        """Return that compensation begins, by a `mode`, in a sea whose peaks are beyond what the winch is to be used for."""
+        """Return that compensation begins, by a `mode`, in a sea whose peaks are above those allowed."""
         if mode.mode is not Mode.COMPENSATING or mode.before is not Mode.STANDBY:
             return ()
         peak, most = PEAK_OVER_SIGNIFICANT * self.guard.demand, self._parameters.entry.peak_use
