@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from enum import IntEnum, IntFlag
 
-from heave_core.rows import COUNTER, Row, structure
+from heave_core.rows import COUNTER, Row, Size, structure
 
-KEPT = 512
+KEPT = Size("KEPT", 512)
 """Orders that are kept for the delay of the winch, in ticks."""
 
 BINS = 60

@@ -7,21 +7,21 @@ from __future__ import annotations
 
 from enum import IntEnum, IntFlag
 
-from heave_core.rows import COUNTER, Row, structure
+from heave_core.rows import COUNTER, Row, Size, structure
 
-STATES = 96
+STATES = Size("STATES", 96)
 """Most states of a model. Matrices lie packed in their arrays, row by row, so that a small one is small in a cache."""
 
-MEASUREMENTS = 16
+MEASUREMENTS = Size("MEASUREMENTS", 16)
 """Most measurements of a model."""
 
-PAST = 1 << 19
+PAST = Size("PAST", 1 << 19)
 """Numbers for the ticks that are kept, n (n + 3)/2 of each for n states: 200 ticks of 70 states."""
 
-PAST_TICKS = 1024
+PAST_TICKS = Size("PAST_TICKS", 1024)
 """Most ticks that are kept."""
 
-USED = 4096
+USED = Size("USED", 4096)
 """Readings used that are kept, of all ticks."""
 
 DRAG = structure(

@@ -6,21 +6,21 @@ from enum import IntEnum, IntFlag
 
 from heave_core.envelope_table import MOVE
 from heave_core.filter_table import STATES
-from heave_core.rows import COUNTER, Row, structure
+from heave_core.rows import COUNTER, Row, Size, structure
 
-PLAN_ROWS = 2048
+PLAN_ROWS = Size("PLAN_ROWS", 2048)
 """Rows of a plan that fit: limits at ticks of its horizon."""
 
-PLAN_NUMBERS = 131072
+PLAN_NUMBERS = Size("PLAN_NUMBERS", 131072)
 """Numbers of those rows that fit: rows times states."""
 
 FOLLOWED = 20
 """Ticks for which the corrections of a plan are kept: the most between two solutions, `mpc.solve_ticks`."""
 
-TENSION_TICKS = 1024
+TENSION_TICKS = Size("TENSION_TICKS", 1024)
 """Ticks of tension and payout that fit: of a wave down the wire and back."""
 
-ALONE_STATES = 40
+ALONE_STATES = Size("ALONE_STATES", 40)
 """States of the sea, and one, that fit where tension and drum lead alone."""
 
 HALVINGS = 20

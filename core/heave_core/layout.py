@@ -10,19 +10,20 @@ copy of the state is a core at that tick.
 from __future__ import annotations
 
 import hashlib
+from collections.abc import Mapping
 
 from heave_core import (
     envelope_table,
     filter_table,
     law_table,
     look_table,
+    modes_table,
     sense_table,
-    servo_table,
     watch_table,
 )
 from heave_core.rows import COUNTER, NUMBER, Structure
 
-TABLES = (envelope_table, filter_table, look_table, law_table, servo_table, watch_table, sense_table)
+TABLES = (envelope_table, filter_table, look_table, law_table, watch_table, sense_table, modes_table)
 """By subject, in the order in which C++ needs them."""
 
 STRUCTURES = tuple(one for table in TABLES for one in table.STRUCTURES)
@@ -45,35 +46,38 @@ def _struct(structure: Structure) -> str:
     lines = [f"// {structure.meaning}", f"struct {structure.name} {{"]
     for row in structure.rows:
         kind = row.kind.name if isinstance(row.kind, Structure) else _C_TYPES[row.kind]
-        size = "".join(f"[{n}]" for n in row.shape)
+        size = "".join(f"[{getattr(n, 'text', n)}]" for n in row.shape)
         unit = f" [{row.unit}]" if row.unit else ""
         lines.append(f"    {kind} {row.name}{size};  // {row.meaning}{unit}")
     return "\n".join([*lines, "};"])
 
 
-def _body() -> str:
-    """Return the declarations."""
-    sizes = f"enum {{ {', '.join(f'{name} = {size}' for name, size in SIZES.items())} }};"
+def _body(sizes: Mapping[str, int]) -> str:
+    """Return the declarations, with these `sizes` of arrays."""
+    named = ", ".join(f"{name} = {int(size)}" for name, size in sizes.items())
     held = ", ".join(f"sizeof({record.name})" for record in RECORDS)
     records = f"// What Python holds as well\nconstexpr long long RECORD_SIZES[] = {{{held}}};"
     names = [
         f"enum {kind.__name__} {{ {', '.join(f'{one.name} = {int(one)}' for one in kind)} }};" for kind in ENUMERATIONS
     ]
-    return "\n\n".join([sizes, *names, *map(_struct, STRUCTURES), records])
+    return "\n\n".join([f"enum {{ {named} }};", *names, *map(_struct, STRUCTURES), records])
 
 
 def layout_number() -> int:
     """Return the number of this layout, which library and Python must share: 63 bits of the declarations' digest."""
-    declared = "\n".join(line.partition("//")[0].rstrip() for line in _body().splitlines())
+    declared = "\n".join(line.partition("//")[0].rstrip() for line in _body(SIZES).splitlines())
     return int.from_bytes(hashlib.sha256(declared.encode()).digest()[:8], "big") >> 1
 
 
-def header() -> str:
-    """Return the C++ header."""
+def header(**smaller: int) -> str:
+    """Return the C++ header.
+
+    `smaller` are sizes of arrays by name, for one controller without Python: what is the same is checked by `LAYOUT`.
+    """
     return (
         "// Made by heave_core/layout.py from the tables beside it: change those.\n"
         "#pragma once\n\nnamespace heave {\n\n"
-        f"constexpr long long LAYOUT = {layout_number()};\n\n{_body()}\n\n}}  // namespace heave\n"
+        f"constexpr long long LAYOUT = {layout_number()};\n\n{_body({**SIZES, **smaller})}\n\n}}  // namespace heave\n"
     )
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,8 +21,11 @@ from heave_core.look_table import (
     LOOK_INPUTS,
     LOOK_STATE,
     MOTIONS,
+    SEEN,
     SIGMA,
+    VERDICT,
 )
+from heave_core.modes_table import ATTEMPT_DESIGN, ATTEMPT_STATE
 
 Array = NDArray[np.float64]
 
@@ -31,47 +34,8 @@ Motions = named(MOTIONS)
 """All motions at a tick."""
 
 
-class Seen(NamedTuple):
-    """What the guard compares at a tick: the first rows of SEEN, with their meanings and units."""
-
-    unit: float = 0.0
-    unit_rate: float = 0.0
-    free: float = 0.0
-    free_rate: float = 0.0
-    tip: float = 0.0
-    tip_rate: float = 0.0
-    payout_rate: float = 0.0
-    measured: float = np.nan
-    noise: float = 0.0
-    mean_acceleration: float = 0.0
-    drum_error: float = 0.0
-    unknown: float = 0.0
-    payout: float = 0.0
-
-
-class Verdict(NamedTuple):
-    """What the guard has found in a tick: the rows of VERDICT, with their meanings and units."""
-
-    bits: float
-    drum: float
-    swing: float
-    depth: float
-    mismatch: float
-    unit_sigma: float
-    free_sigma: float
-    least_gain: float
-    waves_time: float
-    tip_sigma: float
-    demand: float
-    coming: float
-    authority: float
-    usual_authority: float
-    allowed: float
-    best_authority: float
-    residual: float
-    by_drum: float
-    measured: float
-    shown: float
+Verdict = named(VERDICT)
+"""What the guard has found in a tick."""
 
 
 def padded(row: Array) -> Array:
@@ -181,62 +145,80 @@ class Look:
 
 
 class Guard:
-    """The guard's statistics with their memory.
+    """The guard's statistics, and what attempts at compensation have shown, with their memory.
 
     Parameters
     ----------
     design : values by the names of GUARD_DESIGN
+    attempts : values by the names of ATTEMPT_DESIGN
 
     Attributes
     ----------
-    design, state : structured arrays of one element
+    design, state, attempt_design, attempts, found : structured arrays of one element; `found` in the last tick
     """
 
-    def __init__(self, design: Mapping[str, Any]) -> None:
+    def __init__(self, design: Mapping[str, Any], attempts: Mapping[str, Any]) -> None:
         core = library()
-        self.design, self.state = new(GUARD_DESIGN), new(GUARD_STATE)
-        self._seen, self._verdict = np.zeros(len(Seen._fields) + 3), np.zeros(len(Verdict._fields))
+        self.design, self.state, self.found = new(GUARD_DESIGN), new(GUARD_STATE), new(VERDICT)
+        self.attempt_design, self.attempts = new(ATTEMPT_DESIGN), new(ATTEMPT_STATE)
+        self._seen = np.zeros(len(SEEN.rows))
         self._at = self.design.ctypes.data, self.state.ctypes.data
-        self._seen_at, self._verdict_at = self._seen.ctypes.data, self._verdict.ctypes.data
+        self._attempts_at = self.attempt_design.ctypes.data, self.attempts.ctypes.data
+        self._seen_at, self._verdict_at = self._seen.ctypes.data, self.found.ctypes.data
         self._core, self._step = core, core.heave_core_guard
         fill(self.design[0], design)
+        fill(self.attempt_design[0], attempts)
         self.begin()
 
     def take_design(self, design: Mapping[str, Any]) -> None:
-        """Go by another `design` from now on."""
+        """Go by another `design` from now on, which another demand of the sea follows from."""
         fill(self.design[0], design)
+        self._core.heave_core_guard_demand(*self._at, self._verdict_at)
 
     @property
-    def verdict(self) -> Verdict:
-        """What was found last, with the sea's demand on the winch of the active design."""
-        self._core.heave_core_guard_demand(*self._at, self._verdict_at)
-        return Verdict._make(self._verdict.tolist())
+    def verdict(self) -> Any:
+        """What was found last, as a Verdict."""
+        return Verdict._make(self.found[0].item())
 
-    def step(self, seen: Seen, authority: float, target: float, *, inhibits: bool) -> Verdict:
-        """Take in what is `seen` in a tick; return what is found.
+    def step(self, *seen: float, fades: bool = False, is_certain: bool = False) -> Any:
+        """Take in what is `seen` in a tick, the rows of SEEN; return what is found, as a Verdict.
 
         Parameters
         ----------
-        seen : of the tick
-        authority, target : of compensation now, and that it goes to
-        inhibits : compensation is to be off already
+        seen : in the tick
+        fades : the winch comes to rest after it
+        is_certain : compensation must be off, for a reason that no attempt has brought about
         """
-        self._seen[:] = (*seen, authority, target, inhibits)
-        self._step(*self._at, self._seen_at, self._verdict_at)
-        return Verdict._make(self._verdict.tolist())
+        self._seen[:] = seen
+        (design, state), (attempt_design, attempts) = self._at, self._attempts_at
+        self._step(design, attempt_design, state, attempts, self._seen_at, fades, is_certain, self._verdict_at)
+        return self.verdict
 
     def begin(self) -> None:
         """Begin again: what was seen until now was another sea."""
         self._core.heave_core_guard_begin(self._at[1])
-        self._verdict[:] = 0.0
+        self.found[0] = np.zeros((), self.found.dtype)
+        self._core.heave_core_guard_demand(*self._at, self._verdict_at)
 
-    def restart_waves(self) -> None:
-        """Compare waves from now on."""
-        self._core.heave_core_guard_restart_waves(self._at[1])
+    def release(self) -> None:
+        """Let compensation be tried as at first: an operator asks for it."""
+        (design, state), (attempt_design, attempts) = self._at, self._attempts_at
+        self._core.heave_core_attempts_release(design, attempt_design, state, attempts)
 
-    def allow_catch_up(self) -> None:
-        """Do not check the drum for some seconds: the law has to catch up with what it could not see."""
-        self._core.heave_core_guard_allow_catch_up(*self._at)
+    def explain(self) -> None:
+        """Take the last failure back: a wrong belief has just been corrected."""
+        self._core.heave_core_attempts_explain(self._attempts_at[1])
+
+    @property
+    def largest_residual(self) -> float:
+        """Largest residual with which compensation is tried, over the motion with the winch locked."""
+        largest: float = self._core.heave_core_attempts_largest(*self._attempts_at)
+        return largest
+
+    @property
+    def awaits_operator(self) -> bool:
+        """Tell whether no authority would gain enough any more."""
+        return bool(self._core.heave_core_attempts_awaits(*self._attempts_at))
 
     def allow_resumption(self) -> None:
         """Do not hold against the loop how drum and unit moved while a sensor was lost."""

@@ -5,9 +5,9 @@ from __future__ import annotations
 from enum import IntFlag
 
 from heave_core.filter_table import DRAG, STATES
-from heave_core.rows import COUNTER, Row, structure
+from heave_core.rows import COUNTER, Row, Size, structure
 
-KNOTS = 2401
+KNOTS = Size("KNOTS", 2401)
 """Energies of a sea seen for the first time that are kept, over its `first_look`."""
 
 

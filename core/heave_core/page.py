@@ -38,6 +38,8 @@ every field.
 | sea | `sea.cpp` | the observed sea compared with the design sea |
 | unit | `unit.cpp` | a unit below a top end whose motion is known: quadratic drag, slack cable |
 | guard | `guard.cpp` | whether compensation does harm: drum, swing, depth sensor, waves |
+| modes | `modes.cpp` | the mode machine: runs the table of modes, moves authority |
+| attempts | `attempts.cpp` | whether compensation that did harm is tried again, and with what doubt |
 | demand | `demand.cpp` | what the sea demands of the winch, and the gain that this allows |
 | statistics | `statistics.cpp` | running standard deviations and amplitudes |
 | landing | `landing.cpp` | whether a lowered unit has landed, and whether a lifted one hangs again |

@@ -12,6 +12,25 @@ NUMBER, COUNTER = "f8", "i4"
 """Kinds of a field."""
 
 
+class Size(int):
+    """A size of arrays that a build for one controller may make smaller: C++ has it by its name.
+
+    A product of sizes keeps their names.
+    """
+
+    text: str
+
+    def __new__(cls, text: str, value: int) -> Size:
+        """Make the size that C++ calls `text`."""
+        size = super().__new__(cls, value)
+        size.text = text
+        return size
+
+    def __mul__(self, other: int) -> Size:
+        """Return the size of a matrix packed row by row."""
+        return Size(f"{self.text} * {getattr(other, 'text', other)}", int(self) * int(other))
+
+
 @dataclass(frozen=True)
 class Row:
     """A field of a structure.

@@ -6,7 +6,7 @@ from enum import IntEnum, IntFlag
 
 from heave_core.filter_table import MEASUREMENTS, STATES
 from heave_core.look_table import MOTIONS
-from heave_core.rows import COUNTER, Row, structure
+from heave_core.rows import COUNTER, Row, Size, structure
 
 SENSORS = 8
 """Most sensors with a gate."""
@@ -20,7 +20,7 @@ INTERVALS = 5
 SHARES = 64
 """Ticks for which the mean payout's share is kept, for readings that come late."""
 
-TRAVELS = 10240
+TRAVELS = Size("TRAVELS", 10240)
 """Ticks that fit of the way that the drum should have turned."""
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from heave_core.library import library, new
-from heave_core.servo_table import SERVO_RUN
+from heave_core.watch_table import SERVO_RUN
 
 Array = NDArray[np.float64]
 
@@ -33,7 +33,7 @@ WEAK_SLOPE = 1e-6
 
 
 class Drum(NamedTuple):
-    """A speed servo behind a transport delay, by the rows of SERVO in `servo_table`, with their units and meanings."""
+    """A speed servo behind a transport delay, by the rows of SERVO in `watch_table`, with their units and meanings."""
 
     lag: float
     delay: float

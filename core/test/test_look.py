@@ -11,7 +11,7 @@ import pytest
 from heave_core import look_table
 from heave_core.filter_table import STATES
 from heave_core.library import dtype_of, library
-from heave_core.look import Guard, HangingUnit, Look, Motions, RunningSigma, Seen, Verdict, padded
+from heave_core.look import HangingUnit, Look, Motions, RunningSigma, padded
 from heave_core.look_table import Harm
 from hypothesis import assume, given
 from hypothesis import strategies as st
@@ -19,6 +19,7 @@ from scipy.integrate import solve_ivp
 from scipy.signal import cont2discrete, lfilter
 
 from tests.allocation import allocates
+from tests.supervised import Guard, Seen
 
 DT = 0.05
 INERTIA, DAMPING, DRAG, PUSH = 1.1, 0.06, 0.2, 1.2
@@ -365,17 +366,10 @@ def test_a_guard_begins_again_with_nothing_but_the_authority_of_the_last_tick():
     assert guard.verdict == fresh.verdict
 
 
-def test_waves_are_compared_again_from_a_restart_on():
-    guard = a_guard()
-    assert fed(guard).waves_time == pytest.approx(15.0)
-    guard.restart_waves()
-    assert fed(guard, 20).waves_time == pytest.approx(1.0)
-
-
 def test_a_drum_that_catches_up_is_not_judged_for_fifteen_seconds():
     guard = a_guard()
     fed(guard)
-    guard.allow_catch_up()
+    guard.allow_resumption()
     assert not Harm.DRUM_OFF & int(fed(guard, 299, payout_rate=5.0).bits)
     assert Harm.DRUM_OFF & int(fed(guard, 100, payout_rate=5.0).bits)
 
@@ -401,7 +395,6 @@ def test_depth_sensor_and_estimate_are_compared_again_after_a_correction():
 
 def test_the_values_of_python_are_the_rows_of_the_table():
     names = {one.name: [row.name for row in one.rows] for one in look_table.STRUCTURES}
-    assert names["Verdict"] == list(Verdict._fields)
     assert names["Seen"][: len(Seen._fields)] == list(Seen._fields)
     assert dtype_of(look_table.SEEN).itemsize == 8 * (len(Seen._fields) + 3)
 
@@ -413,7 +406,8 @@ def test_no_step_of_the_library_allocates():
     given = [np.ones(ORDER), np.ones(ORDER), np.eye(ORDER)]
     inputs, motions = looked.inputs.ctypes.data, looked.motions.ctypes.data
     step, at = library().heave_core_look, (*looked.addresses, inputs, *(one.ctypes.data for one in given), motions)
-    judge, judged = guard._step, (*guard._at, guard._seen_at, guard._verdict_at)
+    (design, state), (attempts, attempted) = guard._at, guard._attempts_at
+    judge, judged = guard._step, (design, attempts, state, attempted, guard._seen_at, 0, 0, guard._verdict_at)
 
     def go():
         step(*at)

@@ -5,8 +5,10 @@ from heave_bringup.closed_loop import ClosedLoop, loop_parameters
 from heave_bringup.scenarios import load_scenario
 from heave_node.interface.alarm import Alarm
 from heave_node.interface.codes import WinchFault
-from winch_controller_node.core.supervision.command_timeouts import WAIT, Advice, CommandTimeouts
 from winch_controller_node.core.supervision.late_commands import CUT_TIME, LATE_WINDOW, LateCommands
+from winch_controller_node.core.supervision.modes import WAIT, Mode
+
+from tests.supervised import Supervised
 
 DT = 0.05
 
@@ -49,7 +51,7 @@ def test_of_a_link_that_is_cut_for_seconds_it_is_told_once_that_the_winch_takes_
     (_, stopped), (resumed, resumes) = [one for one in told if one[1].code not in beside][:2]
     assert (stopped.code, stopped.values["mode"]) == ("COMPENSATION_LOST", "stopped")
     assert "winch took none for 0.50 s" in stopped.values["reason"]
-    assert resumes.code == Advice.RESUME.alarm.code
+    assert resumes.code == RESUMED
     assert resumed > 30.0 + 8.0 + WAIT
     assert not {alarm.code for _, alarm in told} & {"COMMANDS_LATE", "COMMANDS_OFTEN_LATE"}
     modes = [alarm.values["mode"] for _, alarm in told if "mode" in alarm.values]
@@ -81,93 +83,88 @@ def test_a_machine_that_is_late_too_often_is_told_once_with_its_share():
     assert late.is_reported
 
 
-def feed(timeouts: CommandTimeouts, seconds: float, fault: WinchFault, **situation: bool) -> list[Advice]:
-    given = {"wants_compensation": False, "is_stopped": True, "is_well": True} | situation
-    found = [timeouts.update(int(fault), **given) for _ in range(round(seconds / DT))]
-    return [advice for advice in found if advice]
+class Link(Supervised):
+    """A winch that compensates, or stands for want of commands."""
+
+    def __init__(self, *, resumes=True, wants=True):
+        super().__init__(wants=wants)
+        self.supervisor.modes.design["resumes"] = resumes
+        self.step()
+
+    def feed(self, seconds, fault=WinchFault.COMMAND_TIMEOUT, *, mode=Mode.STOPPED, **given):
+        """Let the winch report a `fault` for some time; return what is reported of it."""
+        found = []
+        for _ in range(round(seconds / DT)):
+            if self.supervisor.modes.mode is not mode:
+                self.enter(mode, wants=False)
+            found += [one.code for one in self.step(winch={"fault": int(fault)}, **given).alarms if one.code in TOLD]
+        return found
+
+    def time_out(self):
+        """Let a compensating winch time out."""
+        self.enter(Mode.COMPENSATING)
+        codes = [one.code for one in self.step(winch={"fault": int(WinchFault.COMMAND_TIMEOUT)}).alarms]
+        assert self.supervisor.modes.mode is Mode.STOPPED
+        return [code for code in codes if code in TOLD]
+
+    @property
+    def is_pending(self):
+        return bool(self.supervisor._state["is_pending"][0])
 
 
-def watching(most: int = 3, *, dt: float = DT, resumes: bool = True) -> CommandTimeouts:
-    """Return a watch whose `most` failures are followed by an attempt: from the next on an operator has to ask."""
-    failures: list[int] = []
-
-    def count() -> bool:
-        failures.append(1)
-        return len(failures) > most
-
-    return CommandTimeouts(dt, resumes=resumes, count=count)
-
-
-def time_out(timeouts: CommandTimeouts) -> list[Advice]:
-    """Let a compensating winch time out, wait, and release it."""
-    told = [timeouts.update(int(WinchFault.COMMAND_TIMEOUT), wants_compensation=True, is_stopped=False, is_well=True)]
-    told += feed(timeouts, 2.0 * WAIT, WinchFault.COMMAND_TIMEOUT)
-    feed(timeouts, 1.0, WinchFault.NONE)
-    return [advice for advice in told if advice]
+TOLD = RESUMED, GIVEN_UP = "COMMANDS_RESTORED", "COMMAND_TIMEOUTS"
 
 
 def test_timeouts_that_come_again_and_again_wait_for_an_operator():
-    timeouts = watching(4)
-    for _ in range(4):
-        assert time_out(timeouts) == [Advice.RESUME]
-    assert time_out(timeouts) == [Advice.GIVE_UP]
+    """A quarter of the motion each: after three there is an attempt, after four none."""
+    link = Link()
+    for _ in range(3):
+        assert link.time_out() == []
+        assert link.feed(2.0 * WAIT) == [RESUMED]
+        link.feed(1.0, WinchFault.NONE)
+    assert link.time_out() == [GIVEN_UP]
 
 
 def test_nothing_goes_on_while_a_sensor_is_lost_or_after_an_operator_has_spoken():
-    timeouts = watching()
-    timeouts.update(int(WinchFault.COMMAND_TIMEOUT), wants_compensation=True, is_stopped=False, is_well=True)
-    assert feed(timeouts, 3.0 * WAIT, WinchFault.COMMAND_TIMEOUT, is_well=False) == []
-    timeouts.cancel()
-    assert feed(timeouts, 3.0 * WAIT, WinchFault.COMMAND_TIMEOUT) == []
+    link = Link()
+    link.time_out()
+    assert link.feed(3.0 * WAIT, lost=("mru",)) == []
+    link.supervisor.cancel_timeout()
+    assert link.feed(3.0 * WAIT) == []
 
 
 def test_a_winch_that_keeps_its_fault_when_it_is_released_is_tried_again_but_not_for_ever():
     """It is released, and two seconds later the mode is stopped again, for the same fault."""
-    timeouts = watching()
-    timeouts.update(int(WinchFault.COMMAND_TIMEOUT), wants_compensation=True, is_stopped=False, is_well=True)
+    link = Link()
+    link.time_out()
     told = []
     for _ in range(6):
-        told += feed(timeouts, WAIT + DT, WinchFault.COMMAND_TIMEOUT)
-        told += feed(timeouts, 2.0, WinchFault.COMMAND_TIMEOUT, is_stopped=False)
-    assert told == [Advice.RESUME] * 3 + [Advice.GIVE_UP]
+        told += link.feed(WAIT + DT)
+        told += link.feed(2.0, mode=Mode.MANUAL)
+    assert told == [RESUMED] * 3 + [GIVEN_UP]
 
 
 def test_a_winch_that_did_not_compensate_or_must_not_resume_stays_where_it_is():
-    for resumes, compensated in ((True, False), (False, True)):
-        timeouts = watching(resumes=resumes)
-        timeouts.update(int(WinchFault.COMMAND_TIMEOUT), wants_compensation=compensated, is_stopped=False, is_well=True)
-        assert feed(timeouts, 3.0 * WAIT, WinchFault.COMMAND_TIMEOUT) == []
-
-
-def test_what_is_done_about_a_timeout_is_reported_by_its_code():
-    assert Advice.RESUME.alarm.code == "COMMANDS_RESTORED"
-    assert Advice.GIVE_UP.alarm.code == "COMMAND_TIMEOUTS"
+    link = Link(resumes=False)
+    link.time_out()
+    assert link.feed(3.0 * WAIT) == []
+    link = Link(wants=False)
+    assert link.feed(3.0 * WAIT) == []
 
 
 def test_a_winch_waits_for_as_long_as_it_takes_before_it_is_tried_again_from_the_last_trouble_on():
-    timeouts = watching()
-    timeouts.update(int(WinchFault.COMMAND_TIMEOUT), wants_compensation=True, is_stopped=False, is_well=True)
-    assert feed(timeouts, WAIT - 2.0 * DT, WinchFault.COMMAND_TIMEOUT) == []
-    assert feed(timeouts, DT, WinchFault.COMMAND_TIMEOUT, is_well=False) == []
-    assert feed(timeouts, WAIT - 2.0 * DT, WinchFault.COMMAND_TIMEOUT) == []
-    assert feed(timeouts, 4.0 * DT, WinchFault.COMMAND_TIMEOUT) == [Advice.RESUME]
+    link = Link()
+    link.time_out()
+    assert link.feed(WAIT - 2.0 * DT) == []
+    assert link.feed(DT, lost=("mru",)) == []
+    assert link.feed(WAIT - 2.0 * DT) == []
+    assert link.feed(4.0 * DT) == [RESUMED]
 
 
 def test_a_fault_that_somebody_has_released_is_not_pending():
-    timeouts = watching()
-    timeouts.update(int(WinchFault.COMMAND_TIMEOUT), wants_compensation=True, is_stopped=False, is_well=True)
-    assert feed(timeouts, 1.0, WinchFault.NONE) == []
-    assert feed(timeouts, 3.0 * WAIT, WinchFault.DRIVE) == []
-
-
-def test_a_timeout_is_pending_until_it_is_cancelled_and_is_tried_again_after_three_seconds():
-    """Ticks of a quarter of a second: twelve of them."""
-    timeouts = watching(dt=0.25)
-    assert not timeouts.is_pending
-    timeouts.update(int(WinchFault.COMMAND_TIMEOUT), wants_compensation=True, is_stopped=False, is_well=True)
-    assert timeouts.is_pending
-    given = {"wants_compensation": False, "is_stopped": True, "is_well": True}
-    told = [timeouts.update(int(WinchFault.COMMAND_TIMEOUT), **given) for _ in range(12)]
-    assert told == [None] * 11 + [Advice.RESUME]
-    timeouts.cancel()
-    assert not timeouts.is_pending
+    link = Link()
+    link.time_out()
+    assert link.is_pending
+    assert link.feed(1.0, WinchFault.NONE) == []
+    assert not link.is_pending
+    assert link.feed(3.0 * WAIT, WinchFault.DRIVE) == []

@@ -13,6 +13,7 @@ from cable_sim_node.winch.parameters import WinchParameters
 from heave_bringup.closed_loop import COLUMNS, ClosedLoop, LoopParameters
 from heave_bringup.closed_loop import loop_parameters as parameters_of
 from heave_bringup.scenarios import load_scenario
+from heave_core.modes_table import SUPERVISED, Happened
 from heave_core.watch_table import Landed
 from heave_node.interface.alarm import Severity
 from heave_node.interface.codes import SensorLevel, WinchFault
@@ -28,6 +29,7 @@ from winch_controller_node.interface.readings import Measurements, ScalarReading
 from winch_controller_node.model.lqr import DesignError
 from winch_controller_node.node_parameters import WinchControllerParameters
 
+HAPPENED = [row.name for row in SUPERVISED.rows].index("happened")
 DT = 0.05
 INERTIA, DAMPING = 7.339769, 0.1906759
 """The 900 m system of thesis 6.2.6 as identified there."""
@@ -785,13 +787,16 @@ def test_a_touchdown_while_the_mru_is_lost_for_a_moment_is_acted_upon(monkeypatc
         return step(tick, dataclasses.replace(measured, mru=()))
 
     monkeypatch.setattr(controller, "step", without_mru)
-    landing = controller._supervisor.landing
+    supervisor, supervise = controller._supervisor, controller._supervisor._supervise
 
-    def touches_down(*seen):
-        landing.unit_stands = landing.unit_stands or seen[-1]
-        return int(Landed.TOUCHDOWN) if seen[-1] else 0
+    def touches_down(*given):
+        supervise(*given)
+        if not supervisor.landing.unit_stands:
+            supervisor.landing.unit_stands = True
+            supervisor.landing.core.state["event"] = int(Landed.TOUCHDOWN)
+            supervisor._done[HAPPENED] += int(Happened.UNIT_EVENT)
 
-    monkeypatch.setattr(landing._core, "judge", touches_down)
+    monkeypatch.setattr(supervisor, "_supervise", touches_down)
     outputs = [loop.step()[0] for _ in range(6)]
     assert "TOUCHDOWN" in {alarm.code for outputs_ in outputs for alarm in outputs_.alarms}
     assert controller.mode.value == "constant_tension"

@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 from heave_bringup.closed_loop import ClosedLoop, loop_parameters
 from heave_bringup.scenarios import load_scenario
-from heave_core.look import Seen
-from winch_controller_node.core.supervision.guard import HarmGuard
 from winch_controller_node.core.supervision.guard_checks import GuardedLoop
 from winch_controller_node.interface.alarms import ALARMS
 from winch_controller_node.laws.parts.winch_limits import WinchLimits
 from winch_controller_node.parameters.laws import GuardParameters
+
+from tests.supervised import Judge, Seen
 
 DT = 0.05
 
@@ -29,7 +29,7 @@ def figures(words):
 
 def make_guard():
     limits = WinchLimits(2.0, 1.5, -50.0, 50.0)
-    return HarmGuard(GuardParameters(window=20.0, floor=0.02), GuardedLoop(limits), tick_period=DT)
+    return Judge(GuardParameters(window=20.0, floor=0.02), GuardedLoop(limits), tick_period=DT)
 
 
 def feed_guard(guard, residual, uncompensated, seconds, authority=1.0, rate=0.3, target=1.0):
@@ -152,7 +152,7 @@ def test_a_drum_that_lets_the_unit_gain_speed_with_the_mean_payout_is_not_held_a
 ):
     """On a cable with a of 23 s^2 that takes 1.15 m of payout, beside a sea of 0.3 m/s."""
     limits = WinchLimits(2.0, 1.5, -50.0, 50.0)
-    guard = HarmGuard(GuardParameters(window=20.0), GuardedLoop(limits, inertia=23.0), tick_period=DT)
+    guard = Judge(GuardParameters(window=20.0), GuardedLoop(limits, inertia=23.0), tick_period=DT)
     feed_guard(guard, 0.01, 0.1, 60.0)
     assert not guard.inhibits
     for time in DT * np.arange(round(4.0 / DT)):
@@ -359,18 +359,16 @@ def test_a_reason_that_is_certain_keeps_compensation_off_while_it_lasts_and_is_n
     guard = make_guard()
     late = ALARMS.alarm("COMMANDS_CUT", time=0.5)
     for _ in range(round(100.0 / DT)):
-        guard.inhibit(late)
-        guard.update(seen((0.0, 0.0), (0.0, 0.0), (0.0, 0.0)), 0.0)
+        guard.update(seen((0.0, 0.0), (0.0, 0.0), (0.0, 0.0)), 0.0, certain=late)
     assert guard.inhibits and guard.alarm is late
     feed_guard(guard, 0.5, 0.5, 0.2, authority=0.0)
     assert (guard.inhibits, guard.alarm, guard.authority_limit) == (False, None, 1.0)
 
 
-@pytest.mark.parametrize("allow", [HarmGuard.allow_catch_up, HarmGuard.allow_resumption])
-def test_the_drum_is_not_checked_while_the_law_catches_up(allow):
+def test_the_drum_is_not_checked_while_the_law_catches_up():
     guard = make_guard()
     watch_waves(guard, 60.0, authority=0.0)
-    allow(guard)
+    guard.allow_resumption()
     assert watch_waves(guard, 14.0, rate_error=0.7) is None
     assert watch_waves(guard, 10.0, rate_error=0.7) is not None
 

@@ -4,12 +4,12 @@ import math
 
 import numpy as np
 import pytest
-from heave_core.look import Guard, Seen
 from heave_core.look_table import Harm
-from winch_controller_node.core.supervision.guard import HarmGuard
 from winch_controller_node.core.supervision.guard_checks import GuardedLoop, guard_design
 from winch_controller_node.laws.parts.winch_limits import WinchLimits
 from winch_controller_node.parameters.laws import GuardParameters
+
+from tests.supervised import Guard, Judge, Seen
 
 DT = 0.05
 LIMITS = WinchLimits(2.0, 1.5, -50.0, 50.0)
@@ -240,7 +240,7 @@ def test_what_a_wave_beyond_the_limits_has_left_is_allowed_once_and_what_stays_i
 def test_harm_over_waves_is_told_from_half_the_window_on():
     """By a law that does not feed the unit back, whose swing is not judged over seconds."""
     loop = GuardedLoop(LIMITS, feeds_back_unit=False)
-    guard, harms = HarmGuard(GuardParameters(window=20.0, floor=0.02), loop, tick_period=DT), []
+    guard, harms = Judge(GuardParameters(window=20.0, floor=0.02), loop, tick_period=DT), []
     for time in times(20.0):
         wave = math.sin(0.7 * time)
         guard.update(Seen(unit=0.8 * wave, free=0.5 * wave), 1.0)
@@ -253,7 +253,7 @@ def test_harm_over_waves_is_told_from_half_the_window_on():
 
 def guarded(reads, unit, seconds=40.0):
     """Let a guard see a sea of 0.5 m until it inhibits; `unit` is estimated, `reads` by the depth sensor [m]."""
-    guard = HarmGuard(GuardParameters(window=20.0, floor=0.02), GuardedLoop(LIMITS), tick_period=DT)
+    guard = Judge(GuardParameters(window=20.0, floor=0.02), GuardedLoop(LIMITS), tick_period=DT)
     assert guard.trusts_estimate
     for time in times(seconds):
         wave = math.sin(0.7 * time)
@@ -282,7 +282,7 @@ def test_an_estimate_is_not_trusted_while_the_depth_sensor_contradicts_it_and_is
 
 def test_of_a_sea_that_was_not_seen_yet_nothing_is_held_back():
     for keeps_limits in (True, False):
-        guard = HarmGuard(GuardParameters(window=20.0), GuardedLoop(LIMITS, keeps_limits=keeps_limits), tick_period=DT)
+        guard = Judge(GuardParameters(window=20.0), GuardedLoop(LIMITS, keeps_limits=keeps_limits), tick_period=DT)
         guard.update(Seen(), 0.0)
         assert (guard.authority_limit, guard.demand) == (1.0, 0.0)
 
@@ -290,7 +290,7 @@ def test_of_a_sea_that_was_not_seen_yet_nothing_is_held_back():
 def test_a_law_that_keeps_the_limits_by_itself_is_given_as_much_as_the_winch_can_nearly_do():
     """Waves of one height and 4 m/s over 2 m/s: a demand of 2, of which 1.4 is given."""
     loop = GuardedLoop(WinchLimits(2.0, 100.0, -50.0, 50.0), keeps_limits=True)
-    guard = HarmGuard(GuardParameters(window=20.0), loop, tick_period=DT)
+    guard = Judge(GuardParameters(window=20.0), loop, tick_period=DT)
     for time in times(200.0):
         guard.update(Seen(tip_rate=4.0 * math.sin(0.7 * time)), 0.0)
     assert guard.authority_limit == pytest.approx(1.4 / 2.0, rel=0.02)

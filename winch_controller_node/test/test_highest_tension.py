@@ -1,5 +1,7 @@
 """Above the highest tension the winch gives way, whatever the law asks, where compensation can keep below it."""
 
+import math
+
 import numpy as np
 import pytest
 from heave_bringup.closed_loop import ClosedLoop, loop_parameters
@@ -9,11 +11,17 @@ from heave_core.law_table import COMMAND_STATE, Way
 from heave_core.library import new
 from heave_node.parameters import ParameterError
 from winch_controller_node.core.loop_command import commander
-from winch_controller_node.core.supervision.watch.highest_tension import LEFT, PEAK, HighestTension
+from winch_controller_node.core.supervision import supervision_design
+from winch_controller_node.core.supervision.modes import Mode
+from winch_controller_node.core.supervision.supervision_design import PEAK_OVER_SIGNIFICANT
+from winch_controller_node.core.supervision.supervision_design import TENSION_LEFT as LEFT
+from winch_controller_node.core.supervision.supervision_design import TENSION_PEAK as PEAK
 from winch_controller_node.design.design import design_controller
 from winch_controller_node.node_parameters import WinchControllerParameters
 from winch_controller_node.parameters.laws import LimitParameters
 from winch_controller_node.parameters.model import WinchModelParameters
+
+from tests.supervised import Supervised
 
 DT = 0.05
 RATIO = 1.2
@@ -51,83 +59,84 @@ def test_nothing_is_added_below_the_highest_tension_or_under_a_brake():
         assert not made.gives_way
 
 
+class Limited(Supervised):
+    """A winch with a highest tension over a cable of 0.2 of the static tension a metre."""
+
+    def __init__(self):
+        super().__init__()
+        self._limit = self.supervisor._design
+        self._limit["tension_per_metre"] = 0.2
+        self.supervisor.guard.core.design["acceleration"] = 1e9
+
+    def feed(self, seconds, ratio, *, stretch=0.0, use=0.5, brake=False):
+        """Let the boom tip stretch the cable to and fro, a period of 10 s; tell whether the highest tension is kept."""
+        for tick in range(round(seconds / DT)):
+            self._limit["highest_ratio"] = ratio
+            self.enter(Mode.STANDBY if brake else Mode.COMPENSATING, wants=not brake)
+            # what the sea demands is as the rate makes it: one of the speed that the use of peaks asks for
+            self.supervisor.guard.core.design["usual_speed"] = 1.0 / (use / PEAK_OVER_SIGNIFICANT) if use else math.inf
+            self.step(tip=stretch * math.sin(2.0 * math.pi * 0.1 * DT * tick), tip_rate=1.0 if tick % 2 else -1.0)
+        return self.is_kept
+
+    @property
+    def is_kept(self):
+        return bool(self.supervisor._state["is_kept"][0])
+
+    @property
+    def is_low(self):
+        return bool(self.supervisor._state["is_low"][0])
+
+    @property
+    def least_ratio(self):
+        return float(self.supervisor._state["least_ratio"][0])
+
+
 @pytest.mark.parametrize(("use", "share"), [(0.0, LEFT), (0.8, LEFT), (1.25, 0.2), (4.0, 0.75)])
 def test_what_is_beyond_the_winch_is_needed_as_tension(use, share):
-    tension = HighestTension(60.0, tick_period=DT)
-    for stretch in 0.5 * np.sin(0.6 * DT * np.arange(12000)):
-        tension.update(stretch, 3.0, tension_per_metre=0.2, peak_use=use, brake=False)
+    winch = Limited()
+    assert winch.feed(600.0, 3.0, stretch=0.5, use=use)
     sigma = 0.5 / np.sqrt(2.0)
-    assert tension.least_ratio(0.2, use) == pytest.approx(1.0 + share * PEAK * sigma * 0.2, rel=0.05)
-    assert tension.is_kept
-    assert tension.alarm is None
+    assert winch.least_ratio == pytest.approx(1.0 + share * PEAK * sigma * 0.2, rel=0.05)
+    assert not winch.is_low
 
 
 def test_a_highest_tension_that_was_too_low_is_kept_again_after_five_minutes_or_once_the_brake_was_on():
-    tension = HighestTension(60.0, tick_period=DT)
-
-    def after(seconds, ratio, *, brake=False):
-        for _ in range(round(seconds / DT)):
-            tension.update(0.0, ratio, tension_per_metre=0.2, peak_use=0.5, brake=brake)
-        return tension.is_kept
-
-    assert not after(DT, 0.9)
-    assert not after(299.0, 1.1)
-    assert after(2.0, 1.1)
-    assert not after(DT, 0.9, brake=True)
-    assert after(DT, 1.1, brake=True)
-
-
-def flat(tension, ratio=3.0, *, stretch=0.0, use=0.5, brake=False):
-    tension.update(stretch, ratio, tension_per_metre=0.2, peak_use=use, brake=brake)
-
-
-def rolling(tension, seconds=240.0, **given):
-    """Let the boom tip stretch the cable by 0.5 m to and fro, a period of 10 s."""
-    for stretch in 0.5 * np.sin(2.0 * np.pi * 0.1 * DT * np.arange(round(seconds / DT))):
-        flat(tension, stretch=stretch, **given)
+    winch = Limited()
+    assert not winch.feed(DT, 0.9)
+    assert not winch.feed(299.0, 1.1)
+    assert winch.feed(2.0, 1.1)
+    assert not winch.feed(DT, 0.9, brake=True)
+    assert winch.feed(DT, 1.1, brake=True)
 
 
 def test_the_least_that_would_do_is_told_in_hundredths_rounded_up():
     """A tenth of 2.7 sigma, 0.5 / sqrt(2) m of 0.2 a metre: 1.0191, of which 1.01 is too low and 1.02 enough."""
-    tension = HighestTension(60.0, tick_period=DT)
-    rolling(tension)
-    flat(tension, ratio=1.019)
-    assert tension.alarm.code == "TENSION_LIMIT_LOW"
-    assert "1.02" in tension.alarm.text
-    assert not tension.is_kept
-    flat(tension, ratio=1.02)
-    assert tension.alarm is None
+    winch = Limited()
+    winch.feed(240.0, 3.0, stretch=0.5)
+    winch.feed(DT, 1.019)
+    assert winch.is_low and not winch.is_kept
+    assert winch.supervisor._tension_alarm.code == "TENSION_LIMIT_LOW"
+    assert "1.02" in winch.supervisor._tension_alarm.text
+    winch.feed(DT, 1.02)
+    assert not winch.is_low
 
 
 def test_a_highest_tension_that_is_just_what_is_needed_will_do():
     """In a flat sea the static tension itself is enough: nothing is added to it."""
-    tension = HighestTension(60.0, tick_period=DT)
-    assert tension.is_kept, "before anything was seen"
-    flat(tension, ratio=1.0)
-    assert tension.alarm is None
-    assert tension.is_kept
-    assert tension.least_ratio(0.2, 5.0) == 1.0
-
-
-def test_a_winch_at_rest_and_one_that_follows_the_whole_sea_leave_the_same_share():
-    """A peak use of 0 is no division: the share that is left is a tenth, as where half the winch would do."""
-    tension = HighestTension(60.0, tick_period=DT)
-    rolling(tension)
-    assert tension.least_ratio(0.2, 0.0) == tension.least_ratio(0.2, 0.5) > 1.0
-    assert tension.least_ratio(0.2, 4.0) - 1.0 == pytest.approx(7.5 * (tension.least_ratio(0.2, 0.0) - 1.0))
+    winch = Limited()
+    assert winch.is_kept, "before anything was seen"
+    assert winch.feed(DT, 1.0)
+    assert not winch.is_low
+    assert winch.least_ratio == 1.0
 
 
 def test_five_minutes_count_from_the_last_tick_in_which_it_was_too_low():
-    tension = HighestTension(60.0, tick_period=DT)
-    flat(tension, ratio=0.9)
-    for _ in range(round(200.0 / DT)):
-        flat(tension, ratio=1.1)
-    flat(tension, ratio=0.9)
-    ticks = 0
-    while not tension.is_kept:
-        flat(tension, ratio=1.1)
-        ticks += 1
-    assert ticks * DT == pytest.approx(300.0, abs=2.0 * DT)
+    winch = Limited()
+    winch.feed(DT, 0.9)
+    winch.feed(200.0, 1.1)
+    winch.feed(DT, 0.9)
+    assert not winch.feed(299.9, 1.1)
+    assert winch.feed(0.2, 1.1)
 
 
 def with_highest_tension(scenario, ratio, duration):
@@ -155,7 +164,7 @@ def test_a_highest_tension_that_waves_exceed_is_refused_at_entry_with_the_least_
 
 def test_giving_way_does_not_ring_with_the_wire(monkeypatch):
     """A winch that gave way to the tension as it is read rang with 900 m of wire at 0.9 Hz: 124 of 28 cm."""
-    monkeypatch.setattr(HighestTension, "least_ratio", lambda *_: 1.0)
+    monkeypatch.setattr(supervision_design, "TENSION_PEAK", 0.0)
     record = with_highest_tension("b3_deep_900", 1.01, 110.0).run()
     assert np.max(record.column("top_tension", after=60.0)) > 1.02 * np.median(record.column("top_tension"))
     assert record.unit_sigma(60.0) < 0.05 * record.uncompensated_sigma(60.0)

@@ -8,19 +8,16 @@ import pytest
 from heave_bringup.closed_loop import ClosedLoop, loop_parameters
 from heave_bringup.scenarios import load_scenario
 from heave_core.watch import LandingWatch
+from heave_core.watch_table import Landed
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from winch_controller_node.core.supervision.landing import (
-    HangingLoad,
-    HangingUnit,
-    Landing,
-    LandingEvent,
-    landing_design,
-)
+from winch_controller_node.core.supervision import landing as production
+from winch_controller_node.core.supervision.landing import EVENTS, HangingLoad, LandingEvent, landing_design
 from winch_controller_node.core.supervision.modes import Mode, ModeOutput
 from winch_controller_node.parameters.laws import TensionLawParameters
 
 from tests.gates import MeanTension
+from tests.supervised import Supervised
 
 DT = 0.05
 DEPTH_NOISE = 0.02
@@ -31,6 +28,21 @@ TENSION_NOISE = 0.005
 
 COMPENSATING = ModeOutput(Mode.COMPENSATING, "", 1.0, brake=False)
 HOLDING = ModeOutput(Mode.CONSTANT_TENSION, "", 0.0, brake=False)
+
+
+class Landing(production.Landing):
+    """The landing detector, a tick at a time."""
+
+    def observe(self, time, now, mean_payout, hanging):
+        for stamp, depth in now.depths:
+            self.core.add_depth(stamp, depth)
+        is_weighed = "load_cell" not in now.lost
+        self.core.observe(time, now.tension, is_weighed, mean_payout, *hanging, now.depth_innovation)
+
+    def update(self, now, mode):
+        compensates = mode.mode is Mode.COMPENSATING and mode.authority > production.LEAST_AUTHORITY
+        self.core.judge(now.filtered_tension, now.sees_landing, bool(now.depths), compensates)
+        return None if self.event is Landed.NOT else EVENTS[self.event]
 
 
 def sensed(*, tension, depths=(), innovation=math.nan, has_depth=True, filtered=None, lost=()):
@@ -105,7 +117,7 @@ class Lowering:
         """What a unit would do that had not landed."""
         amplitude, omega = self._swing
         swing = -amplitude * math.cos(omega * time)
-        return HangingUnit(self._speed * time + swing, swing)
+        return (self._speed * time + swing, swing)
 
     def tension(self, time):
         """Relieved by what the winch lowers after the contact, and by the inertia of a unit that swings."""
@@ -206,7 +218,7 @@ def test_what_a_lost_load_cell_has_read_last_is_no_sign_of_a_landing():
         # the gate needs some readings to find it frozen
         lost = ("load_cell",) if 21.0 < time < 40.0 else ()
         now = sensed(tension=tension, has_depth=False, lost=lost)
-        landing.observe(time, now, 0.2 * time, HangingUnit(0.2 * time, 0.0))
+        landing.observe(time, now, 0.2 * time, (0.2 * time, 0.0))
         assert landing.update(now, COMPENSATING) is None
 
 
@@ -271,7 +283,7 @@ def test_a_winch_that_begins_to_lower_relieves_the_cable_by_the_inertia_of_the_u
         depth = max(payout - 100e3 * 0.05 / 270e3, 0.0)
         depths = [(time - 0.1, depth)] if tick % 2 == 0 else []
         now = sensed(tension=load.static_tension - load.stiffness * (payout - depth), depths=depths, innovation=5.0)
-        landing.observe(time, now, payout, HangingUnit(depth, payout - depth))
+        landing.observe(time, now, payout, (depth, payout - depth))
         assert landing.update(now, COMPENSATING) is None
 
 
@@ -294,14 +306,29 @@ def test_an_operator_who_lifts_and_lowers_at_full_speed_in_a_high_sea_has_not_la
     assert set(record.modes) == {"standby", "compensating"}
 
 
+class Braked(Supervised):
+    """A braked winch over a unit of 50 kN on a cable of 10 N/m."""
+
+    def __init__(self, *, more=0.0, swing_time=8.0):
+        super().__init__(mode=Mode.STANDBY)
+        self.landing, self._more, self._mean = self.supervisor.landing, more, MeanTension(tick_period=DT)
+        self.landing.take_load(HangingLoad(60e3, 50e3, 1e6, swing_time=swing_time, cable_weight=10.0))
+        self.supervisor._design["cable_weight"], self.supervisor._design["more"] = 10.0, more
+
+    def weigh(self, tension, place=0.0, *, lost=()):
+        """Read a tension [N] in a tick, where the mean payout is; return how long it must be averaged still [s]."""
+        if not lost:
+            self._mean.add(tension, place, unit_stands=False)
+        mean = self._mean.mean
+        self.step(tension_mean=mean.value, tension_sigma=mean.sigma, tension_time=mean.time, lost=lost)
+        return float(self.supervisor._state["wait"][0])
+
+
 def weighed(shares, *, more=0.0):
-    """Return a landing that has weighed a unit of 50 kN on 10 N/m under a brake, its cable carrying `shares` of it."""
-    landing = Landing(TensionLawParameters(), HangingLoad(60e3, 50e3, 1e6, swing_time=8.0, cable_weight=10.0))
-    mean, waits = MeanTension(tick_period=DT), []
-    for share in shares:
-        mean.add(10e3 + 10.0 * more + 50e3 * share, 0.0, unit_stands=False)
-        waits.append(landing.weigh(mean.mean, more))
-    return landing, waits
+    """Return a braked winch whose cable has carried `shares` of the unit, and what it waited for."""
+    braked = Braked(more=more)
+    waits = [braked.weigh(10e3 + 10.0 * more + 50e3 * share) for share in shares]
+    return braked, waits
 
 
 @settings(max_examples=40, deadline=None)
@@ -316,7 +343,7 @@ def test_under_a_brake_a_unit_that_hangs_is_never_taken_for_one_that_stands(beli
     """In a swell, near resonance, hauled in and lowered by hundreds of metres, and a fifth lighter than assumed."""
     time = np.arange(0.0, 60.0, DT)
     shares = np.maximum(belief * (1.0 + swing * np.sin(2.0 * math.pi / period * time + phase)), 0.0)
-    assert weighed(shares, more=more)[0].hangs
+    assert weighed(shares, more=more)[0].landing.hangs
 
 
 @settings(max_examples=40, deadline=None)
@@ -330,42 +357,35 @@ def test_under_a_brake_a_unit_that_stands_is_known_within_seconds_and_is_waited_
     """Its rope is slack, or taut and pulled at by the waves that the ground lets it feel."""
     time = np.arange(0.0, 20.0, DT)
     shares = np.maximum(mean * (1.0 + np.sin(2.0 * math.pi / period * time + phase)), 0.0)
-    landing, waits = weighed(shares, more=more)
-    assert landing.is_unloaded
+    braked, waits = weighed(shares, more=more)
+    assert braked.landing.is_unloaded
     assert waits[-1] == 0.0
     assert waits[100] == pytest.approx(8.0 - 101 * DT) or np.mean(shares[:101]) > 0.59
 
 
 def test_a_unit_that_is_hauled_up_hangs_again_and_one_whose_tension_is_held_has_landed():
-    landing, _ = weighed([0.0] * 200)
+    braked, _ = weighed([0.0] * 200)
+    landing = braked.landing
     assert landing.is_unloaded
-    mean = MeanTension(tick_period=DT)
     for _ in range(159):
-        mean.add(60e3, 5.0, unit_stands=False)
-        landing.weigh(mean.mean, 0.0)
+        braked.weigh(60e3, 5.0)
     assert landing.is_unloaded
-    mean.add(60e3, 5.0, unit_stands=False)
-    mean.add(60e3, 5.0, unit_stands=False)
-    landing.weigh(mean.mean, 0.0)
+    braked.weigh(60e3, 5.0)
+    braked.weigh(60e3, 5.0)
     assert landing.hangs
     landing.begin_hold()
     assert landing.hangs
-    landing, _ = weighed([0.0] * 200)
+    landing = weighed([0.0] * 200)[0].landing
     landing.begin_hold()
     assert landing.unit_stands
-    landing, _ = weighed([0.0] * 200)
-    landing.forget_weight()
-    assert landing.hangs
 
 
 @pytest.mark.parametrize("was_unloaded", [False, True])
 @pytest.mark.parametrize("mean", [0.55, 0.65])
 def test_a_mean_that_is_no_farther_from_the_limit_than_it_may_err_changes_nothing(mean, was_unloaded):
     """Waves of half the weight: sigma 0.35, of which a mean errs by 0.3, about 0.1; the limit is 0.6 of the weight."""
-    landing, _ = weighed([0.0 if was_unloaded else 1.0] * 200)
-    assert landing.hangs is not was_unloaded
-    tension = MeanTension(tick_period=DT)
+    braked, _ = weighed([0.0 if was_unloaded else 1.0] * 200)
+    assert braked.landing.hangs is not was_unloaded
     for time in np.arange(0.0, 60.0, DT):
-        tension.add(10e3 + 50e3 * (mean + 0.5 * math.sin(2.0 * math.pi / 8.0 * time)), 1.0, unit_stands=False)
-        landing.weigh(tension.mean, 0.0)
-    assert landing.hangs is not was_unloaded
+        braked.weigh(10e3 + 50e3 * (mean + 0.5 * math.sin(2.0 * math.pi / 8.0 * time)), 1.0)
+    assert braked.landing.hangs is not was_unloaded

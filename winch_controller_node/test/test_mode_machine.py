@@ -6,19 +6,19 @@ import math
 import numpy as np
 import pytest
 from heave_node.interface.codes import WinchFault
-from winch_controller_node.core.supervision.command_timeouts import WAIT
-from winch_controller_node.core.supervision.mode_machine import ModeMachine
-from winch_controller_node.core.supervision.modes import Mode, ModeError, Situation
+from winch_controller_node.core.supervision.modes import WAIT, Mode, ModeError
 from winch_controller_node.parameters.laws import ModeParameters
 
+from tests.supervised import Machine, Told
+
 DT = 0.05
-WELL = Situation(lost="", has_estimate=True, winch_fault=WinchFault.NONE, harm="", speed=0.0)
+WELL = Told(lost="", has_estimate=True, winch_fault=WinchFault.NONE, harm="", speed=0.0)
 PARAMETERS = ModeParameters(settling_time=1.0, fade_in_time=2.0, fade_out_time=2.0, coast_time=1.5, resume_time=3.0)
 
 
 def machine(*, moves_winch=True, resume=True, **times):
     parameters = dataclasses.replace(PARAMETERS, resume=resume, **times)
-    return ModeMachine(parameters, moves_winch=moves_winch, factor=1.0, tick_period=DT)
+    return Machine(parameters, moves_winch=moves_winch, factor=1.0, tick_period=DT)
 
 
 def run(modes, seconds, situation=WELL):
@@ -27,7 +27,7 @@ def run(modes, seconds, situation=WELL):
 
 def situation(**changes):
     values = {"lost": "", "has_estimate": True, "winch_fault": 0, "harm": "", "speed": 0.0} | changes
-    return Situation(**values)
+    return Told(**values)
 
 
 def test_compensation_starts_by_itself_and_authority_rises_without_a_step():

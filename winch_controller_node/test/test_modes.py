@@ -7,7 +7,6 @@ from heave_node.interface.codes import WinchFault
 from hypothesis import settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, rule
-from winch_controller_node.core.supervision.mode_machine import ModeMachine
 from winch_controller_node.core.supervision.mode_picture import page
 from winch_controller_node.core.supervision.modes import (
     BRAKED,
@@ -19,9 +18,10 @@ from winch_controller_node.core.supervision.modes import (
     Event,
     Mode,
     ModeError,
-    Situation,
 )
 from winch_controller_node.parameters.laws import ModeParameters
+
+from tests.supervised import Machine, Told
 
 DT = 0.05
 
@@ -69,7 +69,7 @@ def test_the_page_of_the_documentation_is_the_table():
     assert (Path(__file__).parents[2] / "docs" / "modes.md").read_text(encoding="utf-8") == page()
 
 
-WELL = Situation(lost="", has_estimate=True, winch_fault=WinchFault.NONE, harm="", speed=0.0)
+WELL = Told(lost="", has_estimate=True, winch_fault=WinchFault.NONE, harm="", speed=0.0)
 PARAMETERS = ModeParameters(settling_time=1.0, fade_in_time=2.0, fade_out_time=2.0, coast_time=0.5, resume_time=3.0)
 
 
@@ -78,7 +78,7 @@ class AnyOperatorAnyTrouble(RuleBasedStateMachine):
 
     @initialize(moves_winch=st.booleans())
     def begin(self, moves_winch):
-        self.modes = ModeMachine(PARAMETERS, moves_winch=moves_winch, factor=1.0, tick_period=DT)
+        self.modes = Machine(PARAMETERS, moves_winch=moves_winch, factor=1.0, tick_period=DT)
         self.situation = WELL
         self.may_move = moves_winch
         self.authority_before = 0.0
@@ -111,7 +111,7 @@ class AnyOperatorAnyTrouble(RuleBasedStateMachine):
         speed=st.sampled_from([0.0, 1.0]),
     )
     def trouble(self, lost, fault, harm, gate, tension, settled, speed):
-        self.situation = Situation(
+        self.situation = Told(
             lost=lost,
             has_estimate=True,
             winch_fault=fault,

@@ -19,7 +19,7 @@ from heave_node.run_parameters import RunParameters
 from wave_vessel_node.parameters import WaveVesselParameters
 from winch_controller_node.beliefs.beliefs import LATENCY
 from winch_controller_node.core.estimation.preview_watch import MAXIMUM_AGE, PROOF_TIME
-from winch_controller_node.core.supervision.command_timeouts import WAIT
+from winch_controller_node.core.supervision.modes import WAIT
 from winch_controller_node.node_parameters import WinchControllerParameters
 from winch_controller_node.parameters.crane import CONFIRMED_AFTER
 

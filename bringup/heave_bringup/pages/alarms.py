@@ -15,8 +15,8 @@ from heave_node.extras import extra_parts
 from heave_node.interface.alarm import NODE_ALARMS, AlarmRow, AlarmTable
 from wave_vessel_node.alarms import ALARMS as VESSEL
 from winch_controller_node.core.estimation.sense_design import BACK_TIME
-from winch_controller_node.core.supervision.command_timeouts import WAIT
-from winch_controller_node.core.supervision.supervisor import BLIND_LIMIT
+from winch_controller_node.core.supervision.modes import WAIT
+from winch_controller_node.core.supervision.supervision_design import BLIND_LIMIT
 from winch_controller_node.interface.alarms import ALARMS as CONTROLLER
 from winch_controller_node.node_parameters import MOTION_SOURCES
 from winch_controller_node.parameters.laws import GuardParameters, ModeParameters

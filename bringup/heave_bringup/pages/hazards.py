@@ -16,7 +16,7 @@ from cable_sim_node.winch.parameters import WinchParameters
 from heave_node.files.bounded_yaml import parse_yaml
 from heave_node.interface.fault_kinds import FAULTS, faults_of
 from winch_controller_node.core.supervision.modes import TABLE, Event
-from winch_controller_node.core.supervision.supervisor import BLIND_LIMIT
+from winch_controller_node.core.supervision.supervision_design import BLIND_LIMIT
 from winch_controller_node.parameters.laws import ModeParameters
 
 VALUES = {"winch": WinchParameters(), "modes": ModeParameters(), "blind_minutes": BLIND_LIMIT / 60.0}

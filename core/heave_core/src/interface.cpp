@@ -1,7 +1,9 @@
 // The C interface. Sizes and the number of the layout are asked for by whoever loads the library, before anything else.
 #include "act.h"
+#include "modes.h"
 #include "pass.h"
 #include "sense.h"
+#include "supervise.h"
 
 extern "C" {
 
@@ -86,9 +88,10 @@ void heave_core_look_take_unit(const heave::LookDesign *design, heave::LookState
     heave::take_unit(*design, *state, {heave, rate});
 }
 
-// The guard: a tick, the demand under another design, the jumps.
-void heave_core_guard(const heave::GuardDesign *design, heave::GuardState *state, const heave::Seen *seen, heave::Verdict *verdict) {
-    heave::guard(*design, *state, *seen, *verdict);
+// The guard and its attempts: a tick, the demand under another design, the jumps.
+void heave_core_guard(const heave::GuardDesign *design, const heave::AttemptDesign *attempts, heave::GuardState *state, heave::AttemptState *attempted, const heave::Seen *seen, int fades, int is_certain, heave::Verdict *verdict) {
+    if (is_certain) heave::inhibit(*attempted);
+    heave::judge_attempt({*design, *attempts, *state, *attempted}, *seen, fades, *verdict);
 }
 
 void heave_core_guard_demand(const heave::GuardDesign *design, const heave::GuardState *state, heave::Verdict *verdict) {
@@ -96,10 +99,6 @@ void heave_core_guard_demand(const heave::GuardDesign *design, const heave::Guar
 }
 
 void heave_core_guard_begin(heave::GuardState *state) { heave::begin_guard(*state); }
-
-void heave_core_guard_restart_waves(heave::GuardState *state) { heave::restart_waves(*state); }
-
-void heave_core_guard_allow_catch_up(const heave::GuardDesign *design, heave::GuardState *state) { heave::allow_catch_up(*design, *state); }
 
 void heave_core_guard_allow_resumption(const heave::GuardDesign *design, heave::GuardState *state) { heave::allow_resumption(*design, *state); }
 
@@ -248,6 +247,46 @@ void heave_core_nominal_load(const heave::NominalLoadDesign *design, heave::Nomi
 void heave_core_nominal_load_read(const heave::NominalLoadDesign *design, heave::NominalLoadState *state, double time, double heave, double rate) {
     heave::read_nominal_load(*design, *state, time, heave, rate);
 }
+
+// The mode machine: a tick, which returns the event that was taken, -1: none; an event of an operator or the load, which
+// returns 1 where a row was taken.
+int heave_core_modes(const heave::ModeDesign *design, const heave::Situation *situation, heave::ModeState *state) {
+    return heave::step_modes(*design, *situation, *state);
+}
+
+int heave_core_modes_event(const heave::ModeDesign *design, const heave::Situation *situation, int event, heave::ModeState *state) {
+    return heave::take_event(*design, *situation, event, *state);
+}
+
+int heave_core_modes_request(const heave::ModeDesign *design, const heave::Situation *situation, int event, heave::ModeState *state) {
+    return heave::request_mode(*design, *situation, event, *state);
+}
+
+int heave_core_modes_missing(const heave::ModeDesign *design, const heave::Situation *situation, int event, const heave::ModeState *state) {
+    return heave::missing_guards(*design, *situation, event, *state);
+}
+
+// Attempts: an operator asks, a belief has been corrected.
+void heave_core_attempts_release(const heave::GuardDesign *guard, const heave::AttemptDesign *design, heave::GuardState *guard_state, heave::AttemptState *state) {
+    heave::release_attempts({*guard, *design, *guard_state, *state});
+}
+
+double heave_core_attempts_largest(const heave::AttemptDesign *design, const heave::AttemptState *state) {
+    return heave::largest_residual(*design, *state);
+}
+
+int heave_core_attempts_awaits(const heave::AttemptDesign *design, const heave::AttemptState *state) {
+    return heave::awaits_operator(*design, *state);
+}
+
+void heave_core_attempts_explain(heave::AttemptState *state) { heave::explain_attempt(*state); }
+
+// Supervision of a tick, on addresses that Python fills once; the depths read in it.
+void heave_core_supervision_begin(heave::SupervisionState *state) { heave::begin_supervision(*state); }
+
+void heave_core_supervision_reset_sea(heave::SupervisionState *state) { heave::begin_highest_tension(*state); }
+
+void heave_core_supervise(const heave::Supervising *on, const double *depths) { heave::supervise(*on, depths); }
 
 // The mean payout in motion: a tick of it, whether it moves, the ticks of its move that are left, and a tick of the loop's own
 // answer to it with the model x' = A x + B u.

@@ -10,13 +10,17 @@ namespace {
 int begins(const LoadWatchDesign &design, LoadWatchState &state, int bit, bool is_there) {
     int place = 0;
     while ((1 << place) < bit) place++;
-    double &quiet = state.quiet[place];
-    const bool was_quiet = quiet >= design.quiet_time;
-    quiet = is_there ? 0.0 : quiet + design.tick_period;
-    return is_there && was_quiet ? bit : 0;
+    return heave::begins(state.quiet[place], design.quiet_time, design.tick_period, is_there) ? bit : 0;
 }
 
 }  // namespace
+
+// Whether an episode of something that comes and goes begins with this tick: it was away for the quiet time.
+bool begins(double &away, double quiet_time, double tick_period, bool is_there) {
+    const bool was_quiet = away >= quiet_time;
+    away = is_there ? 0.0 : away + tick_period;
+    return is_there && was_quiet;
+}
 
 void begin_load_watch(const LoadWatchDesign &design, LoadWatchState &state) {
     state.at_limit = 0.0;

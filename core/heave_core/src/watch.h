@@ -51,6 +51,7 @@ void advance_nominal_load(const NominalLoadDesign &design, NominalLoadState &sta
 void read_nominal_load(const NominalLoadDesign &design, NominalLoadState &state, double time, double heave, double rate);
 
 // load_watch.cpp: tension, rope and winch; they return bits of LoadNews
+bool begins(double &away, double quiet_time, double tick_period, bool is_there);
 void begin_load_watch(const LoadWatchDesign &design, LoadWatchState &state);
 int watch_load(const LoadWatchDesign &design, LoadWatchState &state, double tension, double static_tension, bool is_at_limit);
 int watch_travel(const LoadWatchDesign &design, LoadWatchState &state, bool is_half, bool is_at_end);

@@ -18,7 +18,7 @@ from winch_controller_node.core.estimation.loop_tick import LoopTick
 from winch_controller_node.core.events import ControllerEvents
 from winch_controller_node.core.loop_command import Tick
 from winch_controller_node.core.state_report import Known, state_report
-from winch_controller_node.core.supervision.modes import COASTING, Mode, ModeOutput, loop_words
+from winch_controller_node.core.supervision.modes import Mode, ModeOutput, loop_words
 from winch_controller_node.core.supervision.proofs import Driven, Proven
 from winch_controller_node.core.supervision.supervisor import Decision, WinchSituation
 from winch_controller_node.design.prediction import predict_loop
@@ -96,13 +96,16 @@ class WinchController(ControllerEvents):
             for state in self.observer.states(loop.number)
         ]
         sensors = tuple(state.reported(does) for state in states)
-        known = Known(self.design, self._in_force.law, self.estimator, self._estimation.depth_set_point, sensors)
+        reason = self.modes.reason if self.mode is decision.mode.mode else decision.mode.reason
+        known = Known(
+            self.design, self._in_force.law, self.estimator, self._estimation.depth_set_point, sensors, reason
+        )
         return state_report(loop, decision, self._command.last, order, known)
 
     def _does(self, loop: LoopTick, decision: Decision) -> str:
         """Return what the loop does, in words."""
         blind = decision.is_damped and not loop.knows_tip
-        coasts = self.parameters.modes.coast_time if decision.mode.reason.startswith(COASTING) else 0.0
+        coasts = self.parameters.modes.coast_time if self.modes.coasts else 0.0
         return loop_words(decision.mode.mode, is_damped_blind=blind, coasts=coasts)
 
     def _act(

@@ -20,7 +20,7 @@ from winch_controller_node.core.supervision.mode_machine import ModeMachine
 from winch_controller_node.core.supervision.modes import Mode
 from winch_controller_node.core.supervision.proofs import Proofs
 from winch_controller_node.core.supervision.rolling_kpi import KpiWindow
-from winch_controller_node.core.supervision.supervisor import Supervisor
+from winch_controller_node.core.supervision.supervisor import Sensed, Supervisor
 from winch_controller_node.core.supervision.watch.encoder_reflex import EncoderReflex
 from winch_controller_node.core.supervision.watch.load_watch import LoadWatch, rope_strength
 from winch_controller_node.core.supervision.watch.winch_watch import WinchWatch
@@ -62,7 +62,9 @@ class ControllerParts:
         self._in_force = DesignInForce(parameters, tick_period=tick_period)
         design, law = self._in_force.design, self._in_force.law
         self._estimation = LoopEstimation(design)
-        self._supervisor = Supervisor(design, law)
+        tick = self._estimation.core_tick
+        sensed = Sensed(self._estimation.observer.addresses, tick.address, tick.depths_address)
+        self._supervisor = Supervisor(design, law, sensed)
         self._winch = WinchWatch(design)
         self.envelope = OrderEnvelope(parameters, design.cable, tick_period)
         self._load = LoadWatch(

@@ -24,7 +24,7 @@ class Event(Enum):
 
 
 MEMORIES: Mapping[str, Callable[[ControllerParts], object]] = {
-    "command timeouts": lambda core: core._supervisor.timeouts.cancel(),
+    "command timeouts": lambda core: core._supervisor.cancel_timeout(),
     "attempts after harm": lambda core: core._supervisor.guard.release(),
     "latched envelope": lambda core: core.envelope.acknowledge(),
     "frozen encoder": lambda core: core.observer.encoder.trust(),

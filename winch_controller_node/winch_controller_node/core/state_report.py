@@ -22,6 +22,7 @@ class Known(NamedTuple):
     estimator : of the loop
     depth_set_point : payout about which the winch works [m]
     sensors : how each is seen
+    reason : why the mode is what it is
     """
 
     design: ControllerDesign
@@ -29,6 +30,7 @@ class Known(NamedTuple):
     estimator: KalmanEstimator
     depth_set_point: float
     sensors: tuple[SensorState, ...]
+    reason: str
 
 
 def state_report(loop: LoopTick, decision: Decision, command: TickCommand, order: WinchOrder, known: Known) -> Report:
@@ -44,7 +46,7 @@ def state_report(loop: LoopTick, decision: Decision, command: TickCommand, order
     return Report(
         mode=mode.mode.value,
         law=known.law.name,
-        reason=mode.reason,
+        reason=known.reason,
         state_names=known.design.model.state_names,
         estimate=tuple(loop.estimate.tolist()),
         covariance_diagonal=tuple(known.estimator.covariance.diagonal().tolist()),

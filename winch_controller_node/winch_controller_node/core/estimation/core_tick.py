@@ -20,6 +20,9 @@ Addresses = tuple[int, int]
 NO_WINCH = (0.0, math.nan, 0.0, 0.0)
 """What is known of a winch that has not reported."""
 
+DEPTHS = 5
+"""Place of the depths in what a tick works with."""
+
 ROOM = 16
 """Readings of a tick for which there is room at first."""
 
@@ -49,6 +52,15 @@ class CoreTick:
         work = (found, self.observed, taken, np.zeros((most, len(SAID.rows))), self.said, self.depths, self._tick)
         self._work, self._room = work, tuple(array.ctypes.data for array in work)
         self._in = self._given.ctypes.data, self._delivered.ctypes.data
+
+    @property
+    def address(self) -> int:
+        """Address of the core's Tick."""
+        return int(self._tick.ctypes.data)
+
+    def depths_address(self) -> int:
+        """Return where the depths read in the tick are."""
+        return self._room[DEPTHS]
 
     def step(
         self,

@@ -118,6 +118,11 @@ class LoopEstimation:
         self._look.take_design(look_design(design))
         self._sea.refer_to(design)
 
+    @property
+    def core_tick(self) -> CoreTick:
+        """Where the core has the tick."""
+        return self._core
+
     # another design
 
     def take_limits(self, design: ControllerDesign) -> None:

@@ -10,13 +10,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import Enum
-from typing import Any, NamedTuple
+from typing import Any
 
 from heave_core.watch import LandingWatch
 from heave_core.watch_table import LANDING_STATE, Landed
 
-from winch_controller_node.core.estimation.loop_tick import TENSION_MEMORY, LoopTick, TensionMean
-from winch_controller_node.core.supervision.modes import Mode, ModeOutput
 from winch_controller_node.parameters.laws import TensionLawParameters
 
 LOWERED = 0.15
@@ -73,9 +71,9 @@ class LandingEvent(Enum):
 EVENTS = {Landed.TOUCHDOWN: LandingEvent.TOUCHDOWN, Landed.LIFTED_OFF: LandingEvent.LIFTED_OFF}
 """By what the core has found."""
 
-STANDS, MAY_STAND, UNLOADED, LIFTING, SHARE, RATE = (
+STANDS, MAY_STAND, UNLOADED, LIFTING, SHARE, EVENT = (
     [row.name for row in LANDING_STATE.rows].index(name)
-    for name in ("unit_stands", "may_stand", "is_unloaded", "is_lifting", "share", "lowering_rate")
+    for name in ("unit_stands", "may_stand", "is_unloaded", "is_lifting", "share", "event")
 )
 """Places in the core's state."""
 
@@ -104,31 +102,6 @@ class HangingLoad:
     def weight_share(self, tension: float) -> float:
         """Return the share of the unit's weight that the cable carries under a `tension` at the top [N]."""
         return (tension - self.static_tension) / self.weight + 1.0
-
-    def mean_share(self, tension: TensionMean, more: float) -> tuple[float, float]:
-        """Return the share of the weight that the cable carries on average, and its error.
-
-        Parameters
-        ----------
-        tension : mean at the top
-        more : cable that is out beyond that of the static tension [m]
-        """
-        averaged = min(max(tension.time / TENSION_MEMORY, 1e-3), 1.0)
-        error = MEAN_ERROR * tension.sigma / (averaged * self.weight)
-        return self.weight_share(tension.value - self.cable_weight * more), error
-
-
-class HangingUnit(NamedTuple):
-    """What a unit would do that only hangs on its cable, whatever is read of it.
-
-    Attributes
-    ----------
-    depth : about that at rest, positive down [m]
-    stretch : by which its cable is longer than at rest [m]
-    """
-
-    depth: float
-    stretch: float
 
 
 def landing_design(load: HangingLoad, touchdown_ratio: float) -> dict[str, Any]:
@@ -164,18 +137,20 @@ class Landing:
     ----------
     parameters : shares of the weight at which it has landed, and hangs again
     load : on the cable
+
+    Attributes
+    ----------
+    core : design and state
     """
 
     def __init__(self, parameters: TensionLawParameters, load: HangingLoad) -> None:
         self._parameters = parameters
-        self._core = LandingWatch(landing_design(load, parameters.touchdown_ratio))
-        self._flags = self._core.flags
-        self._load = load
+        self.core = LandingWatch(landing_design(load, parameters.touchdown_ratio))
+        self._flags = self.core.flags
 
     def take_load(self, load: HangingLoad) -> None:
         """Judge another load, or another length of its cable, from now on."""
-        self._load = load
-        self._core.take_design(landing_design(load, self._parameters.touchdown_ratio))
+        self.core.take_design(landing_design(load, self._parameters.touchdown_ratio))
 
     @property
     def unit_stands(self) -> bool:
@@ -207,59 +182,9 @@ class Landing:
         return not (self._flags[STANDS] or self._flags[UNLOADED])
 
     @property
-    def lowering_rate(self) -> float:
-        """Speed at which the winch lowers [m/s]; 0 before that is known."""
-        return float(self._flags[RATE])
-
-    def observe(self, time: float, sensed: LoopTick, mean_payout: float, hanging: HangingUnit) -> None:
-        """Take in what is known at a tick.
-
-        Parameters
-        ----------
-        time : of the tick [s]
-        sensed : in it
-        mean_payout : of the drum [m]
-        hanging : what it would be of a unit that hangs
-        """
-        for stamp, depth in sensed.depths:
-            self._core.add_depth(stamp, depth)
-        innovation = sensed.depth_innovation
-        is_weighed = "load_cell" not in sensed.lost
-        self._core.observe(time, sensed.tension, is_weighed, mean_payout, hanging.depth, hanging.stretch, innovation)
-
-    def update(self, sensed: LoopTick, mode: ModeOutput) -> LandingEvent | None:
-        """Return what has happened in the tick that was observed last; None: nothing.
-
-        Parameters
-        ----------
-        sensed : in this tick
-        mode : the active one
-        """
-        compensates = mode.mode is Mode.COMPENSATING and mode.authority > LEAST_AUTHORITY
-        event = self._core.judge(sensed.filtered_tension, sensed.sees_landing, bool(sensed.depths), compensates)
-        return EVENTS[Landed(event)] if event else None
-
-    def weigh(self, tension: TensionMean, more: float) -> float:
-        """Take in what the cable carries under a brake; what is known stays until the tension shows another thing.
-
-        Returns for how long the tension must be averaged still [s]; 0 where it has not been too low so far either.
-
-        Parameters
-        ----------
-        tension : mean at the top, in one situation
-        more : cable that is out beyond that of the static tension [m]
-        """
-        share, error = self._load.mean_share(tension, more)
-        is_low, wait = share < self._parameters.touchdown_ratio, self._load.swing_time - tension.time
-        if wait > 0.0:
-            return wait if is_low else 0.0
-        if abs(share - self._parameters.touchdown_ratio) > error:
-            self._flags[UNLOADED], self._flags[SHARE] = is_low, share
-        return 0.0
-
-    def forget_weight(self) -> None:
-        """Take the unit to hang, as without a load cell: what that has said is old."""
-        self._flags[UNLOADED] = 0.0
+    def event(self) -> Landed:
+        """What has happened in the last tick."""
+        return Landed(int(self._flags[EVENT]))
 
     def begin_hold(self) -> None:
         """Take a unit that does not hang, and whose tension is held on request, for one that has landed."""

@@ -60,10 +60,11 @@ ACTIONS: Mapping[str, str] = {
     "end_stopped": "then stopped",
     "compensate_nothing": "gain 0",
     "compensate_all": "full gain",
+    "compensate_as_shown": "the gain that load and drum show",
     "wait_for_operator": "no automatic restart",
     "count_loss": "count the loss; after too many losses no automatic restart",
 }
-"""What each action of the table does, in words; by the name of its function."""
+"""What each action of the table does, in words; by its name in the core."""
 
 TRANSITIONS = """## Transitions
 
@@ -78,7 +79,7 @@ def _words(row: Transition) -> tuple[str, str, str, str, str]:
         ", ".join(mode.value for mode in row.sources),
         row.event.value,
         "; ".join(guard.name for guard in row.guards),
-        "; ".join(ACTIONS[action.__name__] for action in row.actions),
+        "; ".join(ACTIONS[action.name.removeprefix("DO_").lower()] for action in row.actions),
         target,
     )
 

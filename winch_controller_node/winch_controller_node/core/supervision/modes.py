@@ -6,22 +6,20 @@ alone. stopping: the winch comes to rest at a bounded deceleration, then standby
 emergency_stop: brake at once, and it stays until another mode is requested.
 
 `TABLE` has a row for each (mode, event, guard). Requests are events that come from an operator; all others are looked
-for each tick, in the order of `TICK_EVENTS`. The first row whose guard holds is taken. A request without such a row is
-refused with the words of the guards that did not hold. `mode_picture` draws the table.
-
-Arguments: `view` is what events, guards and actions may look at. An action returns the new memory of the machine.
+for each tick, in the order of `ModeEvent`. The first row whose guard holds is taken. A request without such a row is
+refused with the words of the guards that did not hold. `mode_picture` draws the table; the core runs it (`heave_core`,
+modes.cpp), where events, guards and actions have their conditions.
 """
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from enum import Enum
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
+from heave_core.modes_table import ACTIONS, MODE_ROWS, ModeAction, ModeEvent, ModeGuard, ModeNumber
 from heave_node.interface.codes import REQUESTED, WinchFault, fault_words
-from heave_node.winch.fault_latch import is_automatic
 
 from winch_controller_node.core.estimation.sense_design import BACK_TIME
 from winch_controller_node.parameters.laws import ModeParameters
@@ -71,6 +69,10 @@ STANDSTILL = 1e-3
 """Speed below which the winch is at rest [m/s]."""
 
 
+WAIT = 3.0
+"""Time for which a winch, its link and all sensors are well after a timeout before compensation is tried again [s]."""
+
+
 class ModeError(ValueError):
     """A mode that cannot be taken now; the message says why."""
 
@@ -109,142 +111,35 @@ REQUESTS = {
 """Modes that may be requested, and the event that the request is."""
 
 
-def open_always() -> str:
-    """Return that nothing keeps a mode from beginning."""
-    return ""
-
-
 class Situation(NamedTuple):
-    """Inputs of the mode machine at each tick.
+    """What a tick is, in words, for the reason of a mode and for what refuses a request.
 
     Attributes
     ----------
     lost : sensors that the present mode requires and that are lost, with the reason ("mru frozen"), empty when none
-    has_estimate : the estimator has had the readings it needs
     winch_fault : number of the winch's own fault, see WinchFault
     harm : the guard's reason to fade out, empty when there is none
     prospect : when compensation is tried again after harm, in words
-    speed : speed of the winch as commanded [m/s], absolute; infinite while the envelope brings it to rest
-    authority_limit : largest authority that the winch can follow under this law
-    is_settled : the unit moves as it would with the winch locked, or cannot be damped: the winch may stop
     is_damped_blind : the unit is damped by the depth sensor, and how it would move with the winch locked is not known
-    gates : says why compensation may not begin now, with figures; empty when it may
-    tension : says why constant tension may not begin now; empty when it may
+    gates : why compensation may not begin now, with figures; empty when it may
+    tension : why constant tension may not begin now; empty when it may
     fault_cause : why the winch has its fault, in words; empty where that is not known
     awaits_operator : after this harm compensation is tried again only once an operator asks for it
     resumes_after_fault : the winch has stopped for want of commands, and compensation is asked for again once they come
     envelope : why the envelope has taken over, until an operator acknowledges; empty: it has not
-    shown_authority : that unit and drum show, as they move
     """
 
-    lost: str
-    has_estimate: bool
-    winch_fault: int
-    harm: str
-    speed: float
-    authority_limit: float = 1.0
-    is_settled: bool = True
-    is_damped_blind: bool = False
-    gates: Callable[[], str] = open_always
-    tension: Callable[[], str] = open_always
-    fault_cause: str = ""
+    lost: str = ""
+    winch_fault: int = WinchFault.NONE
+    harm: str = ""
     prospect: str = ""
+    is_damped_blind: bool = False
+    gates: str = ""
+    tension: str = ""
+    fault_cause: str = ""
     awaits_operator: bool = False
     resumes_after_fault: bool = False
     envelope: str = ""
-    shown_authority: float = 0.0
-
-
-NOTHING_KNOWN = Situation(lost="", has_estimate=False, winch_fault=WinchFault.NONE, harm="", speed=0.0)
-"""Inputs before the first tick."""
-
-
-class Memory(NamedTuple):
-    """What the mode machine remembers beside its mode.
-
-    Attributes
-    ----------
-    wants_compensation : compensation is to begin, or to go on, by itself
-    may_resume : also after the winch was stopped for a lost sensor
-    rest : mode in which a fade-out or a stop ends, standby or stopped
-    authority : authority of compensation, 0 to 1
-    losses : times that a lost sensor has ended compensation of late
-    """
-
-    wants_compensation: bool
-    may_resume: bool = True
-    rest: Mode = Mode.STANDBY
-    authority: float = 0.0
-    losses: int = 0
-
-    @property
-    def patience(self) -> float:
-        """Times the usual wait for which sensors must be good before compensation resumes."""
-        return LOSS_GROWTH ** max(self.losses - 1, 0)
-
-
-class View(NamedTuple):
-    """All that guards and events may look at.
-
-    Attributes
-    ----------
-    situation : of this tick, or of the last one for a request
-    memory : of the machine
-    parameters : times and rates
-    factor : largest authority
-    known_fault : fault of the winch that was there at the start, or when an operator last asked for a mode
-    time : in the present mode [s]
-    well_time, lost_time : for which all required sensors have been well, or one was lost [s]
-    coasted : time in which one was lost of late, with what it was good meanwhile taken off [s]
-    """
-
-    situation: Situation
-    memory: Memory
-    parameters: ModeParameters
-    factor: float
-    known_fault: int
-    time: float
-    well_time: float
-    lost_time: float
-    coasted: float = 0.0
-
-
-# events of a tick
-
-
-def goes_on_blind(view: View) -> bool:
-    """Tell whether a fade-out goes on for as long as the boom tip is not known: no operator has asked for rest."""
-    return view.situation.is_damped_blind and view.memory.wants_compensation
-
-
-def _has_faded(view: View) -> bool:
-    situation, longest = view.situation, view.parameters.fade_out_time + SETTLING_LIMIT
-    is_over = situation.is_settled or view.time > longest
-    return view.memory.authority == 0.0 and is_over and not goes_on_blind(view)
-
-
-def _has_new_fault(view: View) -> bool:
-    fault, known = view.situation.winch_fault, view.known_fault
-    return fault != WinchFault.NONE and (fault != known or view.time > RELEASED_TIME)
-
-
-TICK_EVENTS: dict[Event, Callable[[View], bool]] = {
-    Event.WINCH_EMERGENCY_STOP: lambda view: (
-        view.situation.winch_fault == WinchFault.EMERGENCY_STOP and _has_new_fault(view)
-    ),
-    Event.WINCH_FAULT: _has_new_fault,
-    Event.ENVELOPE: lambda view: bool(view.situation.envelope),
-    Event.WINCH_SILENT: lambda view: "encoder stale" in view.situation.lost,  # it comes with the state of the winch
-    Event.SENSOR_LOST: lambda view: max(view.lost_time, view.coasted) > view.parameters.coast_time,
-    Event.HARM: lambda view: bool(view.situation.harm),
-    Event.SENSORS_BACK: lambda view: view.well_time > BACK_TIME * view.memory.patience,
-    Event.SETTLED: lambda view: view.well_time >= max(view.parameters.settling_time, RELEASE_TIME),
-    Event.FADED: _has_faded,
-    Event.AT_REST: lambda view: (
-        view.situation.speed < STANDSTILL or (view.time > STOPPING_LIMIT and math.isfinite(view.situation.speed))
-    ),
-}
-"""Conditions checked each tick, in this order."""
 
 
 # guards
@@ -256,106 +151,52 @@ class Guard:
 
     Attributes
     ----------
+    number : in the core, where it is looked at
     name : what must hold, in words
-    holds : returns whether it does
     why_not : says why it does not, with figures; None: the name says enough
     """
 
+    number: ModeGuard
     name: str
-    holds: Callable[[View], bool]
-    why_not: Callable[[View], str] | None = None
+    why_not: Callable[[Situation], str] | None = None
 
-    def refusal(self, view: View) -> str:
-        """Return why the guard does not hold, in words."""
-        detail = "" if self.why_not is None else self.why_not(view)
+    def refusal(self, situation: Situation) -> str:
+        """Return why the guard does not hold in a `situation`, in words."""
+        detail = "" if self.why_not is None else self.why_not(situation)
         return f"{self.name} ({detail})" if detail else self.name
 
 
-WANTED = Guard("compensation intended", lambda view: view.memory.wants_compensation)
-NO_HARM = Guard("compensation does no harm", lambda view: not view.situation.harm, lambda view: view.situation.harm)
-NO_FAULT = Guard(
-    "no winch fault",
-    lambda view: view.situation.winch_fault == WinchFault.NONE,
-    lambda view: fault_words(view.situation.winch_fault),
-)
-NEW_FAULT = Guard("the fault is new", lambda view: view.situation.winch_fault != view.known_fault)
-NOT_FOR_WANT_OF_COMMANDS = Guard(
-    "the fault is not a command timeout", lambda view: not is_automatic(view.situation.winch_fault)
-)
-SENSORS_WELL = Guard("sensors good", lambda view: view.lost_time == 0.0, lambda view: view.situation.lost)
-GATES_OPEN = Guard("start conditions met", lambda view: not view.situation.gates(), lambda view: view.situation.gates())
+WANTED = Guard(ModeGuard.IF_WANTED, "compensation intended")
+NO_HARM = Guard(ModeGuard.IF_NO_HARM, "compensation does no harm", lambda now: now.harm)
+NO_FAULT = Guard(ModeGuard.IF_NO_FAULT, "no winch fault", lambda now: fault_words(now.winch_fault))
+NEW_FAULT = Guard(ModeGuard.IF_NEW_FAULT, "the fault is new")
+NOT_FOR_WANT_OF_COMMANDS = Guard(ModeGuard.IF_NOT_FOR_WANT_OF_COMMANDS, "the fault is not a command timeout")
+SENSORS_WELL = Guard(ModeGuard.IF_SENSORS_WELL, "sensors good", lambda now: now.lost)
+GATES_OPEN = Guard(ModeGuard.IF_GATES_OPEN, "start conditions met", lambda now: now.gates)
 MAY_HOLD_TENSION = Guard(
-    "load landed or held, winch able to follow",
-    lambda view: not view.situation.tension(),
-    lambda view: view.situation.tension(),
+    ModeGuard.IF_MAY_HOLD_TENSION, "load landed or held, winch able to follow", lambda now: now.tension
 )
-BRAKE_HELD = Guard(f"brake on for {RELEASE_TIME:g} s", lambda view: view.time >= RELEASE_TIME)
-HAS_ENCODER = Guard("encoder good", lambda view: "encoder" not in view.situation.lost)
-SETTLED_ESTIMATE = Guard("estimate settled", TICK_EVENTS[Event.SETTLED])
-RESTS_IN_STANDBY = Guard("ends in standby", lambda view: view.memory.rest is Mode.STANDBY)
-RESTS_STOPPED = Guard("ends in stopped", lambda view: view.memory.rest is Mode.STOPPED)
+BRAKE_HELD = Guard(ModeGuard.IF_BRAKE_HELD, f"brake on for {RELEASE_TIME:g} s")
+HAS_ENCODER = Guard(ModeGuard.IF_HAS_ENCODER, "encoder good")
+SETTLED_ESTIMATE = Guard(ModeGuard.IF_SETTLED_ESTIMATE, "estimate settled")
+RESTS_IN_STANDBY = Guard(ModeGuard.IF_RESTS_IN_STANDBY, "ends in standby")
+RESTS_STOPPED = Guard(ModeGuard.IF_RESTS_STOPPED, "ends in stopped")
 MAY_RESUME = Guard(
+    ModeGuard.IF_MAY_RESUME,
     "automatic restart allowed, and all sensors good for modes.resume_time (longer after each loss)",
-    lambda view: (
-        view.parameters.resume
-        and view.memory.may_resume
-        and view.well_time > view.parameters.resume_time * view.memory.patience
-    ),
 )
 
 # actions
 
-
-Action = Callable[[View], Memory]
-
-
-def want_compensation(view: View) -> Memory:
-    """Compensate as soon as that is possible."""
-    return view.memory._replace(wants_compensation=True, may_resume=True, losses=0)
-
-
-def want_rest(view: View) -> Memory:
-    """Do not compensate until an operator asks for it."""
-    return view.memory._replace(wants_compensation=False, may_resume=True, losses=0)
-
-
-def end_in_standby(view: View) -> Memory:
-    """Let the stop end in standby."""
-    return view.memory._replace(rest=Mode.STANDBY)
-
-
-def end_stopped(view: View) -> Memory:
-    """Let the stop end in stopped."""
-    return view.memory._replace(rest=Mode.STOPPED)
-
-
-def compensate_nothing(view: View) -> Memory:
-    """Begin with none of the sea."""
-    return view.memory._replace(authority=0.0)
-
-
-def compensate_all(view: View) -> Memory:
-    """Begin with all of the sea: the winch follows it already."""
-    return view.memory._replace(authority=view.factor)
-
-
-def compensate_as_shown(view: View) -> Memory:
-    """Begin with the share of the sea that unit and drum show: neither has to go elsewhere first."""
-    most = view.factor * view.situation.authority_limit
-    return view.memory._replace(authority=min(view.situation.shown_authority, most))
-
-
-def wait_for_operator(view: View) -> Memory:
-    """Do nothing until an operator asks for it."""
-    return view.memory._replace(wants_compensation=False, may_resume=False)
-
-
-def count_loss(view: View) -> Memory:
-    """Count a lost sensor; after too many of them wait for an operator."""
-    losses = view.memory.losses + 1
-    is_over = losses > MOST_LOSSES
-    memory = wait_for_operator(view) if is_over else view.memory
-    return memory._replace(losses=losses)
+WANT_COMPENSATION = ModeAction.DO_WANT_COMPENSATION
+WANT_REST = ModeAction.DO_WANT_REST
+END_IN_STANDBY = ModeAction.DO_END_IN_STANDBY
+END_STOPPED = ModeAction.DO_END_STOPPED
+COMPENSATE_NOTHING = ModeAction.DO_COMPENSATE_NOTHING
+COMPENSATE_ALL = ModeAction.DO_COMPENSATE_ALL
+COMPENSATE_AS_SHOWN = ModeAction.DO_COMPENSATE_AS_SHOWN
+WAIT_FOR_OPERATOR = ModeAction.DO_WAIT_FOR_OPERATOR
+COUNT_LOSS = ModeAction.DO_COUNT_LOSS
 
 
 # the table
@@ -378,10 +219,10 @@ class Transition:
     event: Event
     target: Mode
     guards: tuple[Guard, ...] = ()
-    actions: tuple[Action, ...] = ()
+    actions: tuple[ModeAction, ...] = ()
 
 
-def _staying(modes: tuple[Mode, ...], event: Event, *actions: Action) -> tuple[Transition, ...]:
+def _staying(modes: tuple[Mode, ...], event: Event, *actions: ModeAction) -> tuple[Transition, ...]:
     """Return rows in which an event only does `actions`."""
     return tuple(Transition((mode,), event, mode, (), actions) for mode in modes)
 
@@ -391,79 +232,79 @@ _COMPENSATING, _TENSION, _MANUAL, _FADE_OUT, _STOPPING = MOVING
 
 TABLE: tuple[Transition, ...] = (
     # what an operator asks for
-    Transition((*BRAKED[1:], *MOVING), Event.ASK_EMERGENCY_STOP, _EMERGENCY, (), (wait_for_operator,)),
+    Transition((*BRAKED[1:], *MOVING), Event.ASK_EMERGENCY_STOP, _EMERGENCY, (), (WAIT_FOR_OPERATOR,)),
     *_staying((_OFF,), Event.ASK_EMERGENCY_STOP),
-    Transition((_COMPENSATING,), Event.ASK_STOPPED, _FADE_OUT, (), (want_rest, end_stopped)),
-    Transition((_TENSION,), Event.ASK_STOPPED, _FADE_OUT, (), (want_rest, end_stopped, compensate_all)),
-    Transition((_MANUAL,), Event.ASK_STOPPED, _STOPPING, (), (want_rest, end_stopped)),
-    Transition((_STANDBY,), Event.ASK_STOPPED, _STOPPED, (), (want_rest,)),
-    *_staying((_FADE_OUT, _STOPPING), Event.ASK_STOPPED, want_rest, end_stopped),
-    *_staying((_STOPPED, _EMERGENCY), Event.ASK_STOPPED, wait_for_operator),
+    Transition((_COMPENSATING,), Event.ASK_STOPPED, _FADE_OUT, (), (WANT_REST, END_STOPPED)),
+    Transition((_TENSION,), Event.ASK_STOPPED, _FADE_OUT, (), (WANT_REST, END_STOPPED, COMPENSATE_ALL)),
+    Transition((_MANUAL,), Event.ASK_STOPPED, _STOPPING, (), (WANT_REST, END_STOPPED)),
+    Transition((_STANDBY,), Event.ASK_STOPPED, _STOPPED, (), (WANT_REST,)),
+    *_staying((_FADE_OUT, _STOPPING), Event.ASK_STOPPED, WANT_REST, END_STOPPED),
+    *_staying((_STOPPED, _EMERGENCY), Event.ASK_STOPPED, WAIT_FOR_OPERATOR),
     *_staying((_OFF,), Event.ASK_STOPPED),
-    Transition((_COMPENSATING,), Event.ASK_STANDBY, _FADE_OUT, (), (want_rest, end_in_standby)),
-    Transition((_TENSION,), Event.ASK_STANDBY, _FADE_OUT, (), (want_rest, end_in_standby, compensate_all)),
-    Transition((_MANUAL,), Event.ASK_STANDBY, _STOPPING, (), (want_rest, end_in_standby)),
-    Transition((_STOPPED, _EMERGENCY), Event.ASK_STANDBY, _STANDBY, (), (want_rest,)),
-    *_staying((_STANDBY,), Event.ASK_STANDBY, want_rest),
-    *_staying((_FADE_OUT, _STOPPING), Event.ASK_STANDBY, want_rest, end_in_standby),
-    Transition((_STOPPED, _EMERGENCY), Event.ASK_COMPENSATING, _STANDBY, (), (want_compensation,)),
+    Transition((_COMPENSATING,), Event.ASK_STANDBY, _FADE_OUT, (), (WANT_REST, END_IN_STANDBY)),
+    Transition((_TENSION,), Event.ASK_STANDBY, _FADE_OUT, (), (WANT_REST, END_IN_STANDBY, COMPENSATE_ALL)),
+    Transition((_MANUAL,), Event.ASK_STANDBY, _STOPPING, (), (WANT_REST, END_IN_STANDBY)),
+    Transition((_STOPPED, _EMERGENCY), Event.ASK_STANDBY, _STANDBY, (), (WANT_REST,)),
+    *_staying((_STANDBY,), Event.ASK_STANDBY, WANT_REST),
+    *_staying((_FADE_OUT, _STOPPING), Event.ASK_STANDBY, WANT_REST, END_IN_STANDBY),
+    Transition((_STOPPED, _EMERGENCY), Event.ASK_COMPENSATING, _STANDBY, (), (WANT_COMPENSATION,)),
     Transition(
-        (_TENSION,), Event.ASK_COMPENSATING, _COMPENSATING, (SENSORS_WELL, NO_HARM), (want_compensation, compensate_all)
+        (_TENSION,), Event.ASK_COMPENSATING, _COMPENSATING, (SENSORS_WELL, NO_HARM), (WANT_COMPENSATION, COMPENSATE_ALL)
     ),
     Transition(
         (_FADE_OUT,),
         Event.ASK_COMPENSATING,
         _COMPENSATING,
         (SENSORS_WELL, NO_HARM),
-        (want_compensation, compensate_as_shown),
+        (WANT_COMPENSATION, COMPENSATE_AS_SHOWN),
     ),
-    Transition((_MANUAL,), Event.ASK_COMPENSATING, _STOPPING, (), (want_compensation, end_in_standby)),
-    *_staying((_STANDBY, _COMPENSATING), Event.ASK_COMPENSATING, want_compensation),
-    *_staying((_FADE_OUT, _STOPPING), Event.ASK_COMPENSATING, want_compensation, end_in_standby),
+    Transition((_MANUAL,), Event.ASK_COMPENSATING, _STOPPING, (), (WANT_COMPENSATION, END_IN_STANDBY)),
+    *_staying((_STANDBY, _COMPENSATING), Event.ASK_COMPENSATING, WANT_COMPENSATION),
+    *_staying((_FADE_OUT, _STOPPING), Event.ASK_COMPENSATING, WANT_COMPENSATION, END_IN_STANDBY),
     Transition(
         (_STANDBY, _STOPPED),
         Event.ASK_CONSTANT_TENSION,
         _TENSION,
         (HAS_ENCODER, BRAKE_HELD, MAY_HOLD_TENSION),
-        (want_rest, compensate_nothing),
+        (WANT_REST, COMPENSATE_NOTHING),
     ),
     Transition(
         (_COMPENSATING, _TENSION, _FADE_OUT),
         Event.ASK_CONSTANT_TENSION,
         _TENSION,
         (HAS_ENCODER, MAY_HOLD_TENSION),
-        (want_rest, compensate_nothing),
+        (WANT_REST, COMPENSATE_NOTHING),
     ),
-    Transition((_STANDBY, _STOPPED), Event.ASK_MANUAL, _MANUAL, (HAS_ENCODER, BRAKE_HELD), (want_rest,)),
+    Transition((_STANDBY, _STOPPED), Event.ASK_MANUAL, _MANUAL, (HAS_ENCODER, BRAKE_HELD), (WANT_REST,)),
     *_staying((_MANUAL,), Event.ASK_MANUAL),
     # what happens to the unit
-    Transition((_COMPENSATING,), Event.TOUCHDOWN, _TENSION, (), (want_rest, compensate_nothing)),
-    Transition((_TENSION,), Event.LIFTED_OFF, _COMPENSATING, (), (want_compensation, compensate_all)),
+    Transition((_COMPENSATING,), Event.TOUCHDOWN, _TENSION, (), (WANT_REST, COMPENSATE_NOTHING)),
+    Transition((_TENSION,), Event.LIFTED_OFF, _COMPENSATING, (), (WANT_COMPENSATION, COMPENSATE_ALL)),
     # what happens to the winch
-    Transition(MOVING, Event.WINCH_EMERGENCY_STOP, _EMERGENCY, (), (want_rest,)),
-    Transition(MOVING, Event.WINCH_FAULT, _STOPPED, (), (want_rest,)),
-    Transition((_STANDBY,), Event.WINCH_FAULT, _STOPPED, (NEW_FAULT,), (want_rest,)),
-    Transition((_STOPPED,), Event.WINCH_EMERGENCY_STOP, _EMERGENCY, (NEW_FAULT,), (want_rest,)),
-    Transition((_STOPPED,), Event.WINCH_FAULT, _STOPPED, (NEW_FAULT, NOT_FOR_WANT_OF_COMMANDS), (want_rest,)),
+    Transition(MOVING, Event.WINCH_EMERGENCY_STOP, _EMERGENCY, (), (WANT_REST,)),
+    Transition(MOVING, Event.WINCH_FAULT, _STOPPED, (), (WANT_REST,)),
+    Transition((_STANDBY,), Event.WINCH_FAULT, _STOPPED, (NEW_FAULT,), (WANT_REST,)),
+    Transition((_STOPPED,), Event.WINCH_EMERGENCY_STOP, _EMERGENCY, (NEW_FAULT,), (WANT_REST,)),
+    Transition((_STOPPED,), Event.WINCH_FAULT, _STOPPED, (NEW_FAULT, NOT_FOR_WANT_OF_COMMANDS), (WANT_REST,)),
     # what happens in front of the winch
     Transition(
-        (_COMPENSATING, _TENSION, _MANUAL, _FADE_OUT), Event.ENVELOPE, _STOPPING, (), (wait_for_operator, end_stopped)
+        (_COMPENSATING, _TENSION, _MANUAL, _FADE_OUT), Event.ENVELOPE, _STOPPING, (), (WAIT_FOR_OPERATOR, END_STOPPED)
     ),
-    Transition((_STANDBY,), Event.ENVELOPE, _STOPPED, (), (wait_for_operator,)),
+    Transition((_STANDBY,), Event.ENVELOPE, _STOPPED, (), (WAIT_FOR_OPERATOR,)),
     # what happens to the sensors
     Transition((_FADE_OUT,), Event.WINCH_SILENT, _STOPPING, (RESTS_STOPPED,)),
-    Transition((_COMPENSATING,), Event.SENSOR_LOST, _FADE_OUT, (), (end_stopped, count_loss)),
-    Transition((_TENSION, _MANUAL), Event.SENSOR_LOST, _STOPPING, (), (end_stopped,)),
-    Transition((_COMPENSATING,), Event.HARM, _FADE_OUT, (), (end_in_standby,)),
+    Transition((_COMPENSATING,), Event.SENSOR_LOST, _FADE_OUT, (), (END_STOPPED, COUNT_LOSS)),
+    Transition((_TENSION, _MANUAL), Event.SENSOR_LOST, _STOPPING, (), (END_STOPPED,)),
+    Transition((_COMPENSATING,), Event.HARM, _FADE_OUT, (), (END_IN_STANDBY,)),
     Transition(
-        (_FADE_OUT,), Event.SENSORS_BACK, _COMPENSATING, (WANTED, RESTS_STOPPED, NO_HARM), (compensate_as_shown,)
+        (_FADE_OUT,), Event.SENSORS_BACK, _COMPENSATING, (WANTED, RESTS_STOPPED, NO_HARM), (COMPENSATE_AS_SHOWN,)
     ),
     Transition(
         (_STANDBY,),
         Event.SETTLED,
         _COMPENSATING,
         (WANTED, NO_HARM, BRAKE_HELD, GATES_OPEN),
-        (compensate_nothing,),
+        (COMPENSATE_NOTHING,),
     ),
     Transition((_STOPPED,), Event.SENSORS_BACK, _STANDBY, (WANTED, NO_FAULT, MAY_RESUME)),
     # the end of a stop
@@ -474,12 +315,70 @@ TABLE: tuple[Transition, ...] = (
 """Every way from one mode to another. Where several rows fit, the first one counts."""
 
 
+HICCUP = 0.5
+"""Sensors that were lost for no longer than this [s] need not be good for the whole of a wait again."""
+
+MODES = tuple(Mode)
+"""Modes by their number in the core."""
+
+EVENTS = tuple(Event[event.name.removeprefix("ON_")] for event in ModeEvent if event is not ModeEvent.MODE_EVENTS)
+"""Events by their number in the core."""
+
+
+def event_number(event: Event) -> int:
+    """Return the number of an `event` in the core."""
+    return int(ModeEvent[f"ON_{event.name}"])
+
+
+def _rows() -> list[dict[str, Any]]:
+    """Return the table as the core has it: a row for each mode that is left."""
+    return [
+        {
+            "mode": ModeNumber[f"IN_{mode.name}"],
+            "event": event_number(row.event),
+            "target": ModeNumber[f"IN_{row.target.name}"],
+            "guards": sum(guard.number for guard in row.guards),
+            "actions": (*row.actions, *[ModeAction.DO_NOTHING] * (ACTIONS - len(row.actions))),
+        }
+        for row in TABLE
+        for mode in row.sources
+    ]
+
+
+def mode_design(parameters: ModeParameters, tick_period: float) -> dict[str, Any]:
+    """Return the values of the core's ModeDesign, of its `parameters` and a `tick_period` [s]."""
+    rows = _rows()
+    empty = {"mode": ModeNumber.NO_MODE, "event": 0, "target": 0, "guards": 0, "actions": (0,) * ACTIONS}
+    return {
+        "tick_period": tick_period,
+        "settling_time": parameters.settling_time,
+        "fade_in_time": parameters.fade_in_time,
+        "fade_out_time": parameters.fade_out_time,
+        "coast_time": parameters.coast_time,
+        "resume_time": parameters.resume_time,
+        "hiccup": HICCUP,
+        "release_time": RELEASE_TIME,
+        "released_time": RELEASED_TIME,
+        "settling_limit": SETTLING_LIMIT,
+        "stopping_limit": STOPPING_LIMIT,
+        "loss_growth": LOSS_GROWTH,
+        "forgiven": FORGIVEN,
+        "coast_recovery": COAST_RECOVERY,
+        "standstill": STANDSTILL,
+        "back_time": BACK_TIME,
+        "most_losses": MOST_LOSSES,
+        "resumes": parameters.resume,
+        "count": len(rows),
+        "rows": [*rows, *[empty] * (MODE_ROWS - len(rows))],
+    }
+
+
 class ModeOutput(NamedTuple):
     """What the mode asks for in a tick.
 
     Attributes
     ----------
-    mode : the active one; reason : why, empty when there is nothing to say
+    mode : the active one; reason : why it has changed; empty: it has not
     authority : authority of compensation, 0 to 1
     brake : is to be on
     before : mode of the tick before; None: the same
