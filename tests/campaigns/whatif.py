@@ -23,13 +23,11 @@ import numpy as np
 from heave_bringup.closed_loop import ClosedLoop, LoopRecord, loop_parameters
 from heave_bringup.errors import CommandError
 from heave_bringup.scenarios import Scenario, load_scenario
+from heave_studies.whatif.answer import Answer, Known, answers, drawn, learn, off_sigma, other_plants, recorded
 from heave_studies.whatif.fitness import check_known, check_record, lacks, warnings
-from heave_studies.whatif.known import Known, drawn, learn, off_sigma, other_plants
-from heave_studies.whatif.signals.record import SensorRecord
-from heave_studies.whatif.study import Answer, answers, recorded
-from heave_studies.whatif.twin.replay import Asked
+from heave_studies.whatif.record import SensorRecord
+from heave_studies.whatif.twin import Asked
 from winch_controller_node.interface.readings import Measurements, Outputs
-from winch_controller_node.interface.requests import request_of
 
 from tests.campaigns.commit import commit_line
 
@@ -138,10 +136,6 @@ class Recording(ClosedLoop):
             tuple(one.order for one in done),
             np.array([one.depth_set_point for one in done]),
             tuple(one.mode for one in done),
-            requests={
-                tick: tuple(found for words in one.requests if (found := request_of(words)))
-                for tick, one in enumerate(done, start=1)
-            },
         )
 
 

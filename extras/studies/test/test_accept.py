@@ -13,12 +13,12 @@ import pytest
 from domain_coordinator import domain_id
 from heave_bringup.cli import main
 from heave_devices.adapt.device import LiveDevice
+from heave_devices.bench.real_winch import RealPart
+from heave_devices.bench.winch import run_winch
 from heave_devices.maps.device_map import device_map_of
 from heave_node.files.bounded_yaml import parse_yaml
 from heave_studies.accept import figures
-from heave_studies.accept.measured import Nominal
-from heave_studies.accept.parts.real_winch import RealPart
-from heave_studies.accept.parts.winch import run_winch
+from heave_studies.accept.measured import Nominal, of_winch
 from heave_studies.accept.procedure_file import Limits, read_head, read_procedure
 from heave_studies.study.study_file import find_study
 from scipy.interpolate import CubicSpline
@@ -50,7 +50,7 @@ def failing(steps, *options):
             found, part = set(), RealPart(device, time.sleep, lambda _: plc.tell("trip"))
             for step in steps:
                 trace = run_winch(part, step.test, step.event, step.name, lambda *_: None)
-                values = figures.evaluate(trace.measured(step.test, NOMINAL), step.alarms)
+                values = figures.evaluate(of_winch(trace, step.test, NOMINAL), step.alarms)
                 judged = [figures.judged(one, values) for one in step.wanted]
                 found |= {step.name for one in judged if not one.is_met}
             return found

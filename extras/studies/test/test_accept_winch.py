@@ -12,15 +12,16 @@ from heave_bags.signals import RunSignals, Signal
 from heave_bringup.cli import main
 from heave_devices.adapt.device import LiveDevice
 from heave_devices.adapt.shipped import find_map
+from heave_devices.bench import set_signal
+from heave_devices.bench.limits import Limits
+from heave_devices.bench.real_winch import RealPart
+from heave_devices.bench.set_signal import Event, WinchTest
+from heave_devices.bench.winch import VirtualPart, run_winch
 from heave_node.criteria import Criterion
 from heave_node.parameters import ParameterError
-from heave_studies.accept import figures, set_signal
-from heave_studies.accept.limits import Limits
-from heave_studies.accept.measured import Measured, Nominal
-from heave_studies.accept.parts.real_winch import RealPart
+from heave_studies.accept import figures
+from heave_studies.accept.measured import Measured, Nominal, of_winch
 from heave_studies.accept.parts.run import scenario_of
-from heave_studies.accept.parts.winch import VirtualPart, run_winch
-from heave_studies.accept.procedure import Event, WinchTest
 from heave_studies.accept.procedure_file import amount, read_head, read_procedure
 from heave_studies.accept.study import Acceptance, Parts
 from heave_studies.study.engine import run_study
@@ -133,7 +134,7 @@ def failing(steps, parameters):
     found = set()
     for step in steps:
         trace = run_winch(VirtualPart(parameters, step.test.load), step.test, step.event, step.name, lambda *_: None)
-        values = figures.evaluate(trace.measured(step.test, NOMINAL), step.alarms)
+        values = figures.evaluate(of_winch(trace, step.test, NOMINAL), step.alarms)
         found |= {step.name for one in step.wanted if not figures.judged(one, values).is_met}
     return found
 
@@ -146,7 +147,7 @@ def test_the_nominal_winch_passes_its_factory_test(steps):
 def test_the_lag_beyond_nominal_is_what_a_winch_has_more_of_it(more, steps):
     sweep = next(step for step in steps if step.name == "Sine sweep")
     part = VirtualPart(WinchParameters(command_delay=0.2 + more), 30e3)
-    values = figures.evaluate(run_winch(part, sweep.test, None, "", lambda *_: None).measured(sweep.test, NOMINAL))
+    values = figures.evaluate(of_winch(run_winch(part, sweep.test, None, "", lambda *_: None), sweep.test, NOMINAL))
     # at the shortest period, 4 s, a time constant of 0.15 s is a lag of 0.147 s
     assert values["lag_excess_s"] == pytest.approx(more, abs=0.003)
 
@@ -161,7 +162,7 @@ def test_a_brake_that_slips_fails_where_the_brake_holds_the_load(steps):
     held = steps[0]
     part = VirtualPart(WinchParameters(), 30e3)
     trace = run_winch(part, held.test, Event("winch", "brake_slip", 1.0, magnitude=0.01), held.name, lambda *_: None)
-    values = figures.evaluate(trace.measured(held.test, NOMINAL))
+    values = figures.evaluate(of_winch(trace, held.test, NOMINAL))
     assert values["payout_drift_m"] == pytest.approx(0.05, rel=0.1), "5 s at 1 cm/s are watched after an event"
 
 
@@ -180,7 +181,7 @@ def test_a_winch_that_falls_silent_meets_nothing_and_the_time_is_said(monkeypatc
 
     test = WinchTest(set_signal.hold(20.0))
     trace = run_winch(RealPart(device, spin, lambda _: None), test, None, "held", lambda *_: None)
-    measured = trace.measured(test, NOMINAL)
+    measured = of_winch(trace, test, NOMINAL)
     one = figures.judged(Criterion("payout_drift_m", "<=", 0.01), figures.evaluate(measured), measured)
     assert not one.is_met
     # of the 5 s up to then 1.2 s went to its first report and to its brake

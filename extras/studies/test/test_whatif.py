@@ -17,26 +17,22 @@ from heave_bringup.scenarios import load_scenario
 from heave_msgs.msg import WinchState
 from heave_node.interface.sensors import WireReading
 from heave_studies.whatif import fitness
-from heave_studies.whatif.known import learn, other_plants
-from heave_studies.whatif.signals.from_bag import (
+from heave_studies.whatif.answer import answers, learn, other_plants
+from heave_studies.whatif.record import (
     SELECTION,
     Gate,
+    Loss,
     delivered,
+    first_request,
     read_record,
-    requests_in,
     scenario_text,
     write_text,
 )
-from heave_studies.whatif.signals.record import Loss, without_move
-from heave_studies.whatif.study import answers, recorded
-from heave_studies.whatif.twin.core import observed_again
-from heave_studies.whatif.twin.replay import Asked, replay
+from heave_studies.whatif.twin import Asked, observed_again
 from heave_studies.whatif.work import Work, work_in
 from rclpy.serialization import deserialize_message, serialize_message
 from winch_controller_node.core.component import WinchController
-from winch_controller_node.core.supervision.modes import ModeError
 from winch_controller_node.interface.readings import Measurements
-from winch_controller_node.interface.requests import Request, request_of
 
 from tests.campaigns import whatif as campaign
 from tests.campaigns.in_process import heave, judge
@@ -164,52 +160,20 @@ def test_the_same_law_leaves_out_the_ticks_that_the_controller_left_out(calm_bag
     whole = read_record(Bag(calm_bag), nominal)
     controller, given, orders = WinchController(nominal, tick_period=whole.tick_period), [], []
     for tick, one in enumerate(whole.measurements, start=1):
-        if tick == 81:
-            controller.ask_for_mode("manual")
         if tick in (81, 82):
-            assert controller.leave_out(tick) == (("mode manual",) if tick == 81 else ())
+            controller.leave_out(tick)
             given.append(Measurements())
             orders.append(None)
         else:
             given.append(replace(one, mru=whole.measurements[tick - 2].mru + one.mru) if tick == 83 else one)
             orders.append(controller.step(tick, given[-1]).order)
-    requests = {81: (Request("mode", ("manual",)),)}
-    record = replace(whole, measurements=tuple(given), orders=tuple(orders), requests=requests, has_adviser=False)
+    record = replace(whole, measurements=tuple(given), orders=tuple(orders), has_adviser=False)
     assert observed_again(record, nominal).is_same
 
 
-def test_the_same_law_does_what_the_operator_had_requested(calm_bag, nominal):
-    whole = read_record(Bag(calm_bag), nominal)
-    controller = WinchController(nominal, tick_period=whole.tick_period)
-    acts = {
-        20: lambda: controller.ask_for_mode("manual"),
-        90: lambda: controller.ask_for_mode("standby"),
-        120: lambda: controller.ask_for_mode("constant_tension", 1234.56789),
-        125: lambda: controller.set_factor(0.123456789),
-        130: lambda: controller.ask_for_mode("manual"),
-    }
-    orders, requests = [], {}
-    for tick, one in enumerate(whole.measurements, start=1):
-        with contextlib.suppress(ModeError):
-            acts.get(tick, lambda: "")()
-            if 30 <= tick < 50 or 60 <= tick < 140:
-                controller.operate(0.1 + 1e-9 * tick)
-        done = controller.step(tick, one)
-        orders.append(done.order)
-        requests[tick] = tuple(map(request_of, done.requests))
-    kinds = [request.kind for of_tick in requests.values() for request in of_tick]
-    assert kinds == [
-        *("mode", "speed", "no speed", "speed", "mode", "no speed", "mode", "factor", "mode"),
-        *("speed", "no speed"),
-    ]
-    record = replace(whole, orders=tuple(orders), requests=requests, has_adviser=False)
-    assert max(abs(order.payout_rate) for order in orders) > 0.05
-    assert observed_again(record, nominal).is_same
-    assert not observed_again(replace(record, requests={}), nominal).is_same
-
-
-def test_requests_are_read_of_the_diagnostics_by_their_ticks():
-    said = ["t = 1.00 s: mode stopped; t = 1.05 s: factor 0.8, speed +0.2 m/s", "t = 1.05 s: fault of mru: gap", "ok"]
+def test_a_record_in_which_an_operator_acted_is_refused_with_the_time(calm_bag, nominal):
+    """Read of the diagnostics of the controller alone; before that time it is a record as any other."""
+    said = ["t = 1.00 s: mode stopped; t = 1.05 s: factor 0.8, speed +0.2 m/s", "t = 0.05 s: fault of mru: gap", "ok"]
     names = ["winch_controller: operator", "wave_vessel: operator", "winch_controller: mode"]
     columns = {TIME: np.array([2.0]), LOG_TIME: np.array([2 * 10**9])}
     for number, (name, words) in enumerate(zip(names, said, strict=True)):
@@ -218,10 +182,11 @@ def test_requests_are_read_of_the_diagnostics_by_their_ticks():
             f"status[{number}].name": np.array([name], dtype=object),
             f"status[{number}].message": np.array([words], dtype=object),
         }
-    assert requests_in(columns, TICK) == {
-        20: (Request("mode", ("stopped",)),),
-        21: (Request("factor", (0.8,)), Request("speed", (0.2,))),
-    }
+    assert first_request(columns) == 1.0
+    record = replace(read_record(Bag(calm_bag), nominal), operated=80.0)
+    with pytest.raises(CommandError, match=r"an operator acted at 80\.0 s.*: give --end 80$"):
+        fitness.check_record(record, 0.0, "bag")
+    assert math.isinf(record.part(70.0).operated)
 
 
 @pytest.mark.parametrize(
@@ -303,42 +268,6 @@ def test_an_answer_is_near_to_what_then_was():
     (pair,), _ = run_draw(draw, 0)
     assert not pair.tells, "a winch that stood still shows nothing of itself: here it is as believed"
     assert abs(pair.error) < 0.02
-
-
-@pytest.mark.long
-def test_the_same_law_gives_the_record_again_with_what_its_operator_did(monkeypatch):
-    monkeypatch.setattr(campaign, "DURATION", 140.0)
-    scenario = scenario_of(make_draw(0, 1), "mpc")
-    recording = Recording(scenario)
-    controller, moves = recording.controller, {1200: 6.0, 1900: -9.0, 2000: None, 2600: 1.0}
-
-    def act(tick):
-        if 2200 <= tick < 2320 and tick % 4 == 0:
-            controller.operate(0.2 if tick < 2280 else 0.123456789)
-        if tick in moves:
-            move = moves[tick]
-            controller.cancel_move() if move is None else controller.move_to_depth(controller.depth + move, 0.3)
-
-    truth, record = recording.record(act)
-    nominal = scenario.parameters["winch_controller"]
-    known = learn(record, nominal, start=50.0)
-    assert np.ptp(record.set_points) > 5.0
-    assert known.again.is_same
-    # heave is without the move, as in the figures of a run
-    time, point = truth.column("time"), truth.column("depth_set_point")
-    sigma = np.std(without_move(time, truth.column("unit") + point, point)[known.window])
-    assert recorded(known).values["unit_sigma_m"] == pytest.approx(sigma, rel=0.1)
-    own, other, off = (Asked(law, replace(nominal, law=law)) for law in ("mpc", "lqg", "off"))
-    (answered, moved, locked), closed = answers(known, [own, other, off]), replay(known.past, own)
-    was = recorded(known, [locked])
-    low, high = was.bands["unit_sigma_m"]
-    assert low <= was.values["unit_sigma_m"] <= high
-    assert np.abs(moved.done.set_point - record.set_points)[known.window].max() < 0.05
-    assert moved.done.refused == ()
-    # it is not closed for the answer: closing it gives nothing else
-    assert np.array_equal(answered.done.unit, closed.unit)
-    assert np.array_equal(answered.done.payout, closed.payout)
-    assert answered.done.modes == closed.modes
 
 
 @pytest.mark.long

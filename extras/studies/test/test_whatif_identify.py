@@ -5,24 +5,25 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from cable_sim_node.winch.parameters import WinchParameters
 from heave_bringup.scenarios import load_scenario
 from heave_node.interface.sensors import MruReading
-from heave_studies.whatif.identify.cable import CableFit, fit_cable
-from heave_studies.whatif.identify.evidence import (
+from heave_studies.whatif import twin as plant
+from heave_studies.whatif.answer import set_point_of
+from heave_studies.whatif.identify import (
     DELAY,
     INERTIA,
-    LEVER_ARM,
     SCALE,
     STIFFNESS,
     USUAL,
+    CableFit,
     Evidence,
+    fit_cable,
     prior_of,
 )
-from heave_studies.whatif.known import set_point_of
-from heave_studies.whatif.signals.record import SensorRecord
-from heave_studies.whatif.signals.tip import HighPass, Tip, TipSource, tip_source
-from heave_studies.whatif.twin import plant
-from heave_studies.whatif.twin.winch import PastWinch
+from heave_studies.whatif.record import SensorRecord
+from heave_studies.whatif.spectra import HighPass, Tip, TipSource, tip_source
+from heave_studies.whatif.twin import PastWinch
 from winch_controller_node.beliefs.corrections import AS_READ
 from winch_controller_node.interface.readings import Measurements, ScalarReading
 
@@ -76,7 +77,7 @@ def evidence(nominal, monkeypatch, heave, rate):
     count = len(TIME)
     record = SensorRecord(TICK, 1, given, (None,) * count, np.full(count, math.nan), ("",) * count)
     source = tip_source(record, AS_READ, HighPass())
-    winch = PastWinch(still, still, still, still, 0.0)
+    winch = PastWinch(WinchParameters(), still, still, still, still, 0.0)
     return Evidence(record, nominal, plant.nominal_line(nominal), source, winch, 1.0), motion
 
 
@@ -104,13 +105,13 @@ def test_what_drum_and_unit_share_of_the_boom_tip_adds_up_unless_a_unit_or_a_sig
         tip = Tip(times * heave, times * rate, 0.0)
         other = replace(given, source=replace(given.source, plain=tip), winch=given.winch)
         assert other.shares == (0.0, pytest.approx(unit / times, rel=0.1))
-        followed = replace(given, winch=PastWinch(times * heave, times * rate, heave, rate, 0.0))
+        followed = replace(given, winch=PastWinch(WinchParameters(), times * heave, times * rate, heave, rate, 0.0))
         assert followed.shares[0] == pytest.approx(times, rel=0.03)
 
 
 def test_what_the_tip_leaves_open_does_not_depend_on_where_a_narrow_resonance_lies_among_the_bins(nominal, monkeypatch):
     given, _ = evidence(nominal, monkeypatch, *sea(0.005))
-    values = dict.fromkeys(USUAL, 1.0) | {DELAY: 0.0, LEVER_ARM: 0.0}
+    values = dict.fromkeys(USUAL, 1.0) | {DELAY: 0.0}
     moved = []
     for end in np.linspace(125.0, 140.0, 6):
         monkeypatch.setattr(Evidence, "end", float(end))
@@ -124,7 +125,7 @@ def test_what_the_tip_leaves_open_does_not_depend_on_where_a_narrow_resonance_li
 
 def test_an_uncertain_mru_widens_the_prior(nominal):
     # as the controller's own parameters say it
-    mru = replace(nominal.sensors.mru, scale_sigma=0.05, lever_arm_sigma=0.2)
+    mru = replace(nominal.sensors.mru, scale_sigma=0.05)
     uncertain = replace(nominal, sensors=replace(nominal.sensors, mru=mru))
     assert prior_of(uncertain)[SCALE] == 0.05
 
@@ -139,7 +140,7 @@ def test_ticks_that_the_controller_left_out_move_no_set_point():
 
 def test_a_value_is_known_where_the_record_says_more_than_was_known_before(nominal):
     for sigma, is_known in ((0.02, True), (0.12, False)):
-        fit = CableFit({INERTIA: 1.0}, np.array([[sigma**2]]), prior_of(nominal), None, 0.0, 1.0)
+        fit = CableFit({INERTIA: 1.0}, np.array([[sigma**2]]), prior_of(nominal), 1.0)
         assert fit.tells(INERTIA) == is_known
 
 
@@ -149,8 +150,8 @@ def test_a_long_record_is_judged_by_its_last_part(nominal):
     record = SensorRecord(TICK, 1, (Measurements((), {}),) * 72000, (None,) * 72000, np.zeros(72000), ("",) * 72000)
     still = np.zeros(72000)
     tip = Tip(still, still, 0.01)
-    source = TipSource(time, tip, AS_READ, HighPass(), still, still)
-    winch = PastWinch(still, still, still, still, 0.0)
+    source = TipSource(time, tip, HighPass())
+    winch = PastWinch(WinchParameters(), still, still, still, still, 0.0)
     given = Evidence(record, nominal, plant.nominal_line(nominal), source, winch, 1.0)
     assert given.start == 2700.0
     assert record.time[given.ticks][0] == pytest.approx(2520.0)

@@ -11,13 +11,21 @@ from cable_sim_node.vertical.linear import heave_transfer_function
 from cable_sim_node.winch.command_line import WinchCommand
 from cable_sim_node.winch.component import VirtualWinch
 from cable_sim_node.winch.parameters import EncoderParameters, WinchParameters
+from heave_bringup.scenarios import load_scenario
 from heave_node.interface.sensors import MruReading
-from heave_studies.whatif.signals.record import SensorRecord, bridged
-from heave_studies.whatif.signals.smoother import disturbance
-from heave_studies.whatif.signals.spectra import Speeds, gains_over_top, noise_power, tapered_transform
-from heave_studies.whatif.signals.tip import HighPass, smoothed_tip, tip_source
-from heave_studies.whatif.twin.plant import PlantFactors, scaled_line
-from heave_studies.whatif.twin.winch import past_winch
+from heave_studies.whatif.record import SensorRecord, bridged
+from heave_studies.whatif.spectra import (
+    HighPass,
+    Speeds,
+    disturbance,
+    gains_over_top,
+    noise_power,
+    smoothed_tip,
+    tapered_transform,
+    tip_source,
+)
+from heave_studies.whatif.twin import PlantFactors, past_winch, scaled_line, speeds_shown, winch_under
+from winch_controller_node.beliefs.beliefs import Belief, Beliefs
 from winch_controller_node.beliefs.corrections import AS_READ, Correction
 from winch_controller_node.interface.readings import Measurements, ScalarReading, WinchOrder, WinchReading
 
@@ -144,24 +152,15 @@ def test_a_stiffness_at_the_same_a_changes_no_motion():
     assert stiffer[1] == pytest.approx(1.3 * plain[1], rel=1e-9)
 
 
-def test_a_boom_tip_takes_scale_delay_and_lever_arm_of_its_mru_back():
-    # reading = scale (heave - arm pitch), as the simulated unit has it, read 0.2 s late
-    pitch = 0.05 * np.sin(0.6 * TIME)
+def test_a_boom_tip_takes_scale_and_delay_of_its_mru_back():
+    # reading = scale heave, read 0.2 s late
     given = tuple(
-        Measurements((MruReading(float(t) + 0.2, float(z), float(v), pitch=float(p)),), {})
-        for t, z, v, p in zip(
-            TIME,
-            1.1 * (MOTION - 0.3 * pitch),
-            1.1 * (RATE - 0.3 * 0.03 * np.cos(0.6 * TIME)),
-            pitch,
-            strict=True,
-        )
+        Measurements((MruReading(float(t) + 0.2, float(z), float(v)),), {})
+        for t, z, v in zip(TIME, 1.1 * MOTION, 1.1 * RATE, strict=True)
     )
     count = len(TIME)
     read = SensorRecord(TICK, 1, given, (None,) * count, np.full(count, math.nan), ("",) * count)
-    source = tip_source(read, AS_READ, HighPass())
-    tip = source.under(scale=1.1, delay=0.2, lever_arm=0.3)
-    assert source.turns
+    tip = tip_source(read, AS_READ, HighPass()).under(scale=1.1, delay=0.2)
     assert np.std((tip.heave - MOTION)[800:-800]) < 0.25 * NOISE
 
 
@@ -183,6 +182,25 @@ def test_what_the_drum_did_is_known_to_less_than_the_noise_of_its_encoder_though
     assert np.std(error) < 0.3e-3
     assert np.std(past.rate[2:] - np.gradient(payout, TICK)[2:]) < 2e-3
     assert past.error == pytest.approx(np.std(past.modelled - payout), abs=1e-3)
+
+
+def test_the_speed_limits_of_a_winch_are_those_that_its_drum_has_shown_not_one_that_its_adviser_tries():
+    """At 0.55 m/s the drum reports its limit; the adviser tried 0.6 last. A limit that was not reached is believed."""
+    rates = np.clip(3.0 * RATE, -0.3, 0.55)
+    given = tuple(
+        Measurements(winch=WinchReading(float(t), 0.0, float(r), False, limits_hit=int(r == 0.55)))
+        for t, r in zip(TIME, rates, strict=True)
+    )
+    count = len(TIME)
+    read = SensorRecord(TICK, 1, given, (None,) * count, np.full(count, math.nan), ("",) * count)
+    shown = speeds_shown(read, 1.0)
+    assert shown == pytest.approx({1.0: 0.55})
+    nominal = load_scenario("b2_calm_300").parameters["winch_controller"]
+    tried = Beliefs(0, values={name: Belief(name, 0.6, 0.01, 9.0, 1) for name in ("winch.speed_out", "winch.speed_in")})
+    winch = winch_under(tried, nominal, shown)
+    assert (winch.speed_limit, winch.hauling_speed_share) == pytest.approx((0.6, 1.0)), "hauling in it is believed"
+    both = winch_under(tried, nominal, {1.0: 0.55, -1.0: 0.5})
+    assert (both.speed_limit, both.hauling_speed_share) == pytest.approx((0.55, 0.5 / 0.55))
 
 
 def test_gaps_are_bridged_in_a_straight_line():

@@ -9,8 +9,7 @@ from heave_bringup.errors import CommandError
 from heave_node.interface.codes import WinchLimit
 from heave_studies.whatif import fitness
 from heave_studies.whatif.answer import lost
-from heave_studies.whatif.identify.cable import CableFit
-from heave_studies.whatif.identify.evidence import USUAL
+from heave_studies.whatif.identify import USUAL, CableFit
 
 LIMITS_HIT = np.array([WinchLimit.FLOW, 0, WinchLimit.SPEED, WinchLimit.SPEED | WinchLimit.POWER | WinchLimit.PAYOUT])
 """Of four ticks, the first before the window, and the ends of the cable no limit that counts."""
@@ -45,14 +44,14 @@ SHOWN = {"cable and unit": True, "winch": True, "winch limits": True}
 )
 def test_what_the_record_lacks_for_an_answer_is_said_and_no_more(monkeypatch, law, shown, limit, band, words):
     monkeypatch.setattr(fitness, "reported", lambda known: [(of, yes, of) for of, yes in (SHOWN | shown).items()])
-    again = SimpleNamespace(is_same=True, refused=())
+    again = SimpleNamespace(is_same=True)
     past = SimpleNamespace(record=SimpleNamespace())
     fit = SimpleNamespace(chi2=1.0, values={})
     known = SimpleNamespace(fit=fit, again=again, past=past, window=slice(1, 4))
     values = {"time_at_limit_percent": limit, "unit_efficiency": sum(band) / 2.0}
     figures = SimpleNamespace(values=values, bands={"unit_efficiency": band})
     asked = SimpleNamespace(name="first", controller=SimpleNamespace(law=law))
-    done = SimpleNamespace(refused=(), limits_hit=LIMITS_HIT)
+    done = SimpleNamespace(limits_hit=LIMITS_HIT)
     answer = SimpleNamespace(asked=asked, figures=figures, lost=0, done=done)
     lines = fitness.warnings(known, [answer])
     assert lines == ([f"first: this record does not show all that the answer stands on: {words}"] if words else [])
@@ -84,7 +83,7 @@ ADDED = ", which should add up to 1"
 def test_a_value_far_from_what_was_known_before_is_refused_with_what_to_check(shares, words, after):
     # a load cell in kN that is read as tf: 9.8 times the tension of a cable whose stiffness is known to 10 %
     values = {"cable.stiffness_factor": 2.5, "mru.delay": -0.08}
-    fit = CableFit(values, np.eye(2), USUAL, None, 0.0, 1.0)
+    fit = CableFit(values, np.eye(2), USUAL, 1.0)
     evidence = SimpleNamespace(shares=shares)
     known = SimpleNamespace(fit=fit, evidence=evidence, left=0.0)
     with pytest.raises(CommandError) as refused:

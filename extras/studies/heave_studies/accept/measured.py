@@ -10,6 +10,8 @@ from typing import NamedTuple
 
 import numpy as np
 from heave_bags.signals import RunSignals, Signal
+from heave_devices.bench.set_signal import WinchTest
+from heave_devices.bench.winch import Trace
 from heave_node.numerics.arrays import Array
 
 GRID = 0.01
@@ -181,6 +183,18 @@ class Measured:
         found = np.linalg.lstsq(np.column_stack(columns), depth.value, rcond=None)[0]
         per_heave = -float(found[places["heave"]]) if "heave" in places else math.nan
         return float(found[places["payout"]]) if "payout" in places else math.nan, per_heave
+
+
+def of_winch(trace: Trace, test: WinchTest, nominal: Nominal) -> Measured:
+    """Return what figures are computed from, of the `trace` of a `test` of a winch that should be `nominal`."""
+    time = trace.rows[:, 0]
+    ordered, payout, rate = (Signal(time, trace.rows[:, column]) for column in (1, 2, 3))
+    run = RunSignals(payout=payout, payout_rate=rate, speed_limit=nominal.speed)
+    if test.load > 0.0:
+        run.tension = Signal(time, np.full(time.size, test.load))
+    end = float(time[-1]) if math.isfinite(trace.event) else min(test.signal.duration, float(time[-1]))
+    lacks = f"unknown, the winch fell silent at {trace.silent:.1f} s" if math.isfinite(trace.silent) else ""
+    return Measured(run, 0.0, end, ordered, trace.event, nominal=nominal, lacks=lacks)
 
 
 def rate_of(payout: Signal) -> Signal:

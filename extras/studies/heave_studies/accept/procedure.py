@@ -8,9 +8,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from heave_devices.bench.set_signal import Event, WinchTest
 from heave_node.criteria import Criterion
-
-from heave_studies.accept.set_signal import SetSignal
 
 FAULTS_OF: Mapping[str, str] = {
     "mru": "wave_vessel.mru.faults",
@@ -20,16 +19,6 @@ FAULTS_OF: Mapping[str, str] = {
     "winch": "virtual_winch.faults",
 }
 """Parameter group of the scheduled faults of each device, by the name that a procedure gives it."""
-COMMAND_LOSS, BRAKE = "command_loss", "brake"
-"""Events that the test does itself, to a virtual and to a real winch: it sends nothing more, or requests the brake."""
-
-
-@dataclass(frozen=True)
-class WinchTest:
-    """A winch by itself: the `signal` that it is ordered to follow, under a `load` [N]."""
-
-    signal: SetSignal
-    load: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -41,23 +30,6 @@ class RunTest:
     duration: float | None = None  # [s]; None: that of the scenario
     transient: float | None = None  # [s]; None: that of the scenario
     seed: int | None = None  # None: that of the scenario
-
-
-@dataclass(frozen=True)
-class Event:
-    """What is done to a part during a step."""
-
-    device: str  # key of FAULTS_OF
-    fault: str  # kind of fault (`heave_node.interface.faults`), COMMAND_LOSS or BRAKE
-    at: float  # [s]
-    duration: float = 0.0  # [s]; 0: to the end
-    magnitude: float = 0.0  # in the unit of its kind
-    ask: str = ""  # what a person does where the part is real; "": the test does it itself
-
-    @property
-    def words(self) -> str:
-        """What happens, in a line."""
-        return f"{self.device}: {self.fault.replace('_', ' ')} at {self.at:g} s"
 
 
 @dataclass(frozen=True)

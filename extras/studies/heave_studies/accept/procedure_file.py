@@ -36,6 +36,8 @@ from pathlib import Path
 from typing import Any
 
 from heave_bringup.pages.alarms import TABLES
+from heave_devices.bench.limits import Limits
+from heave_devices.bench.set_signal import BRAKE, COMMAND_LOSS, KINDS, Event, WinchTest
 from heave_node.criteria import Criterion, parse_criterion
 from heave_node.files.given_files import as_list, as_mapping, read_stated, refuse_keys, scenario_of
 from heave_node.files.units import UNITS
@@ -43,9 +45,7 @@ from heave_node.interface.fault_kinds import FAULTS
 from heave_node.parameters import Given, ParameterError
 
 from heave_studies.accept.figures import ALARM_TIME, refuse_plain, refuse_unknown
-from heave_studies.accept.limits import Limits
-from heave_studies.accept.procedure import BRAKE, COMMAND_LOSS, FAULTS_OF, Event, Procedure, RunTest, Step, WinchTest
-from heave_studies.accept.set_signal import KINDS
+from heave_studies.accept.procedure import FAULTS_OF, Procedure, RunTest, Step
 
 _AMOUNT = re.compile(r"\s*([-+]?[\d.]+(?:[eE][-+]?\d+)?)\s*(\S.*?)?\s*")
 _KEYS = {"title", "scenario", "set", "signatures", "steps", "description"}

@@ -19,6 +19,9 @@ from heave_bringup.run.one_run import ANOTHER_RUN
 from heave_bringup.scenarios import Scenario, load_scenario
 from heave_bringup.settings import make_setting, parse_setting
 from heave_bringup.stored_scenario import stored_sections, stored_title
+from heave_devices.bench.limits import Limits
+from heave_devices.bench.set_signal import WinchTest
+from heave_devices.bench.winch import VirtualPart, WinchPart, run_winch
 from heave_devices.maps.device_map import DeviceMap
 from heave_node.loads.strength import LEAST, Strength, strengths
 from heave_node.numerics.constants import LARGEST_STRAIN
@@ -26,12 +29,10 @@ from heave_node.parameters import ParameterError
 from heave_node.scenario import sections_text
 
 from heave_studies.accept import figures
-from heave_studies.accept.limits import Limits
-from heave_studies.accept.measured import Measured, Nominal
+from heave_studies.accept.measured import Measured, Nominal, of_winch
 from heave_studies.accept.parts.record import ForeignRecord
 from heave_studies.accept.parts.run import run_loop, scenario_of
-from heave_studies.accept.parts.winch import VirtualPart, WinchPart, run_winch
-from heave_studies.accept.procedure import RunTest, Step, WinchTest
+from heave_studies.accept.procedure import RunTest, Step
 from heave_studies.accept.procedure_file import Head, read_procedure, refuse_late
 from heave_studies.accept.results import NOT_DONE, StepResult, digest_of, facts_of
 from heave_studies.study.case_file import CASE, FILES, SCENARIO
@@ -173,7 +174,7 @@ class Acceptance:
         needed = any(isinstance(step.test, WinchTest) for step in steps)
         if self._parts.winch is None or not needed or self._parts.records:
             return None
-        from heave_studies.accept.parts.real_winch import real_winch  # noqa: PLC0415 - starts ROS
+        from heave_devices.bench.real_winch import real_winch  # noqa: PLC0415 - starts ROS
 
         return stack.enter_context(real_winch(self._parts.winch))
 
@@ -209,7 +210,7 @@ class Acceptance:
             trace = run_winch(part, test, step.event, step.name, progress.show)
         path = folder / f"{step.slug}.csv"
         trace.save(path)
-        return _judged(step, trace.measured(test, self.nominal), path, "real winch" if real else "virtual winch")
+        return _judged(step, of_winch(trace, test, self.nominal), path, "real winch" if real else "virtual winch")
 
     def _in_a_run(self, step: Step, test: RunTest, folder: Path) -> StepResult:
         run = folder / step.slug

@@ -31,8 +31,8 @@ def execute(options: argparse.Namespace) -> None:
     from heave_bringup.output import make_table, warn, write_result
     from heave_bringup.progress import ProgressLine
 
+    from heave_studies.whatif.fitness import EXPERIMENTAL, headings, lines_before, rows, to_json
     from heave_studies.whatif.question import Question, ask
-    from heave_studies.whatif.words import EXPERIMENTAL, headings, lines_before, rows, to_json
 
     warn([EXPERIMENTAL])
     laws = [one for one in options.law.split(",") if one]

@@ -1,21 +1,48 @@
-"""Figures of what would have been, each with its band."""
+"""What a record shows, and the figures of what would have been in its sea, each with its band."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from functools import partial
 
 import numpy as np
 from heave_bags.analyse.events import words
 from heave_node.interface.codes import COMPENSATION_LOST, MODE_CHANGED, WinchLimit
 from heave_node.kpi import efficiency, significant
 from heave_node.numerics.arrays import Array
+from heave_node.numerics.randomness import random_stream
+from winch_controller_node.beliefs.beliefs import Beliefs, parameters_under
+from winch_controller_node.beliefs.corrections import corrections
+from winch_controller_node.beliefs.quantities import DEPTH_SCALE, ENCODER_SCALE
 from winch_controller_node.core.supervision.modes import Mode
+from winch_controller_node.node_parameters import WinchControllerParameters
 
-from heave_studies.whatif.signals.record import Flags, without_move
-from heave_studies.whatif.signals.smoother import Disturbance
-from heave_studies.whatif.twin.replay import Replayed
+from heave_studies.whatif.identify import STIFFNESS, CableFit, Evidence, fit_cable
+from heave_studies.whatif.record import Flags, SensorRecord, bridged, without_move
+from heave_studies.whatif.spectra import Disturbance, HighPass, disturbance, tip_source
+from heave_studies.whatif.twin import (
+    Again,
+    Asked,
+    Drive,
+    Follow,
+    Past,
+    PlantFactors,
+    PlantMotion,
+    Replayed,
+    driven,
+    followed,
+    locked,
+    nominal_line,
+    observed_again,
+    past_winch,
+    replay,
+    scaled_line,
+    speeds_shown,
+    winch_under,
+)
+from heave_studies.whatif.work import HERE, Work
 
 MODES = (MODE_CHANGED, COMPENSATION_LOST)
 """Codes of alarms that report a mode, and not why."""
@@ -198,3 +225,330 @@ def possible(bands: Mapping[str, Band]) -> dict[str, Band]:
 def _rms(values: Sequence[float]) -> float:
     """Return the root of the mean square of `values`."""
     return math.sqrt(float(np.mean(np.square(values))))
+
+
+OFF = Mode.OFF.value
+"""Law with which the winch is locked."""
+
+MOVES = 1e-3
+"""Standard deviation of the payout rate from which on a winch has shown how it answers [m/s]."""
+
+WINCH_SPREAD = (0.2, 0.03, 0.02)
+"""Spread of a winch that has not moved, 1 sigma, as a data sheet leaves it: logarithm of lag, delay [s], logarithm of
+its gain."""
+
+PLANTS = 12
+"""Number of other plants on which the motion of a loop is tried: enough for a spread to a fifth."""
+
+
+@dataclass(frozen=True)
+class Known:
+    """What a record has shown."""
+
+    nominal: WinchControllerParameters  # parameters of the controller in the run
+    again: Again  # the same law again
+    fit: CableFit  # cable and unit
+    past: Past  # the record with its twins
+    unexplained: Disturbance  # motion of the unit
+    left: float  # standard deviation of the motion that the twin does not explain [m]
+    set_point: Array  # mean payout at each tick [m]
+    off: Replayed  # the winch locked
+    window: slice  # ticks that are judged
+    by_tip: float  # standard deviation of the unit's motion by what is not known of the boom tip [m]
+    evidence: Evidence = field(repr=False)  # of the record
+
+    def sigma(self, motion: Array) -> float:
+        """Return the standard deviation of a `motion` of the unit in the window [m].
+
+        `motion` is that of the twin and the unexplained one at each tick [m]. The noise that the depth sensor left in
+        it is taken off; what is not known of the boom tip is added.
+        """
+        square = float(np.var(motion[self.window])) - self.unexplained.left**2
+        return math.hypot(math.sqrt(max(square, 0.0)), self.by_tip)
+
+    def under(self, fits: Sequence[CableFit], follow: Follow) -> list[Known]:
+        """Return what is known under each of other `fits`, the winch as it is; `follow` returns motions of plants."""
+        return _known(self.evidence, self.again, fits, float(self.past.record.time[self.window.start]), follow)
+
+    @property
+    def model(self) -> float:
+        """Relative error of the twins in what they add to the record: what they left of it over what they explained."""
+        moved = without_move(self.past.record.time, self.past.plant.unit + self.set_point, self.set_point)
+        explained = float(np.std(moved[self.window]))
+        left = math.sqrt(max(self.left**2 - self.by_tip**2, 0.0))
+        return min(max(left / max(explained, 1e-9), MODEL_LEAST), MODEL_MOST)
+
+
+def learn(
+    record: SensorRecord,
+    nominal: WinchControllerParameters,
+    *,
+    start: float,
+    work: Work = HERE,
+) -> Known:
+    """Return what a `record` shows.
+
+    Parameters
+    ----------
+    record : that can carry an answer, see `fitness`
+    nominal : parameters of its controller
+    start : of the window that is judged [s]
+    work : that does independent parts
+    """
+    again = observed_again(record, nominal)
+    beliefs = again.beliefs
+    scale = beliefs.value(ENCODER_SCALE, nominal)
+    winch = past_winch(record, winch_under(beliefs, nominal, speeds_shown(record, scale)), scale)
+    source = tip_source(record, corrections(beliefs, nominal)["mru"], assumed_high_pass(beliefs, nominal))
+    evidence = Evidence(record, nominal, nominal_line(nominal), source, winch, beliefs.value(DEPTH_SCALE, nominal))
+    work.show("the same law again, cable and unit", 0.0)
+    follow = partial(work.done, "cable and unit", driven)
+    return _known(evidence, again, [fit_cable(evidence, follow)], start, follow)[0]
+
+
+def assumed_high_pass(beliefs: Beliefs, nominal: WinchControllerParameters) -> HighPass:
+    """Return the high-pass that the MRU has under `beliefs` about the `nominal` parameters."""
+    mru = parameters_under(beliefs, nominal).sensors.mru
+    return HighPass(mru.high_pass_period, mru.high_pass_damping)
+
+
+def _known(evidence: Evidence, again: Again, fits: Sequence[CableFit], start: float, follow: Follow) -> list[Known]:
+    """Return what is known under each of some `fits`.
+
+    `start` is that of the window that is judged [s]; `follow` returns the motions of plants.
+    """
+    record, winch, dt = evidence.record, evidence.winch, evidence.record.tick_period
+    recorded, still = [], []
+    for fit in fits:
+        tip = evidence.tip(fit.values)
+        line = scaled_line(evidence.line(fit.values), PlantFactors(stiffness=fit.values[STIFFNESS]))
+        set_point = set_point_of(record)
+        recorded.append(Drive(line, evidence.nominal.length, tip, winch.payout, winch.rate, dt))
+        still.append(recorded[-1]._replace(payout=set_point, rate=np.gradient(set_point, dt)))
+    motions = follow([*recorded, *still])
+    offs = map(partial(locked, record), still, motions[len(fits) :])
+    return [
+        _under(evidence, again, fit, start, drive, plant, off)
+        for fit, drive, plant, off in zip(fits, recorded, motions, offs, strict=False)
+    ]
+
+
+def set_point_of(record: SensorRecord) -> Array:
+    """Return the mean payout at each tick of a `record` (n,) [m]; in ticks left out that between those beside them."""
+    return bridged(record.set_points)
+
+
+def _under(
+    evidence: Evidence, again: Again, fit: CableFit, start: float, drive: Drive, plant: PlantMotion, off: Replayed
+) -> Known:
+    """Return what is known under a `fit`, whose `plant` moved so by its `drive`, and was so with the winch locked.
+
+    `start` is that of the window that is judged [s].
+    """
+    record, nominal, set_point = evidence.record, evidence.nominal, off.payout
+    heave = np.column_stack(evidence.readings[0])
+    unexplained = disturbance(heave, record.time, plant.unit, nominal.sensors.depth.noise)
+    past = Past(
+        record,
+        drive.line,
+        drive.length,
+        drive.tip,
+        evidence.winch,
+        evidence.winch.parameters,
+        plant,
+        again.beliefs.value(ENCODER_SCALE, nominal),
+        evidence.depth_scale,
+    )
+    window = slice(int(np.searchsorted(record.time, start)), record.ticks)
+    left = float(np.std(without_move(record.time, unexplained.heave, set_point)[record.time >= evidence.start]))
+    by_tip = evidence.by_tip(fit.values)
+    return Known(nominal, again, fit, past, unexplained, left, set_point, off, window, by_tip, evidence)
+
+
+def drawn(known: Known, seed: int, number: int, follow: Follow = followed) -> Known:
+    """Return what is `known` with plant and winch of draw `number` of a `seed`; `follow` returns motions of plants."""
+    random = random_stream(seed, f"whatif/{number}")
+    (other,) = known.under([known.fit.drawn(random)], follow)
+    if winch_moved(known):
+        return other
+    lag, delay, gain = (spread * float(random.standard_normal()) for spread in WINCH_SPREAD)
+    winch = known.past.winch_parameters
+    winch = replace(
+        winch,
+        time_constant=winch.time_constant * math.exp(lag),
+        command_delay=max(winch.command_delay + delay, 0.0),
+        speed_gain=winch.speed_gain * math.exp(gain),
+    )
+    return replace(other, past=replace(other.past, winch_parameters=winch))
+
+
+def other_plants(known: Known, seed: int) -> list[CableFit]:
+    """Return `PLANTS` other plants that the record allows by what is `known`, of a `seed`."""
+    random = random_stream(seed, "whatif/plants")
+    return [known.fit.drawn(random) for _ in range(PLANTS)]
+
+
+def winch_moved(known: Known) -> bool:
+    """Return whether the winch of what is `known` has moved in the window by orders, so that its answer was seen."""
+    return float(np.std(known.past.winch.rate[known.window])) > MOVES
+
+
+def off_sigma(known: Known) -> float:
+    """Return the standard deviation of the unit with the winch locked, by what is `known` [m]."""
+    return known.sigma(unit_motion(known.off, known.unexplained))
+
+
+@dataclass(frozen=True)
+class Answer:
+    """What one loop would have done."""
+
+    asked: Asked  # for it
+    figures: Figures  # with their bands
+    done: Replayed = field(repr=False)  # motions
+    plants: int  # number of plants over which it was closed
+    lost: int  # number of them on which it gives up compensation, or never begins
+    cause: str  # the alarm with which it does; empty: it does not
+
+    @property
+    def fade_out(self) -> float:
+        """Share of the plants on which it gives up compensation, or never begins [-]."""
+        return self.lost / self.plants
+
+
+def answers(
+    known: Known,
+    wanted: Sequence[Asked],
+    others: Sequence[Known] = (),
+    plants: Sequence[CableFit] = (),
+    *,
+    work: Work = HERE,
+) -> list[Answer]:
+    """Return what the loops that are asked for would have done.
+
+    Parameters
+    ----------
+    known : by the record
+    wanted : controllers and winches
+    others : draws of what the record allows, over which each loop is closed again, for the bands
+    plants : draws of cable, unit and MRU, on which its payout is tried
+    work : that closes loops
+    """
+    tasks = [(one, asked) for asked in wanted for one in (known, *others)]
+    seen = [_seen(one, asked) if one is known or _is_off(asked) else None for one, asked in tasks]
+    open_ = [(one.past, asked) for (one, asked), done in zip(tasks, seen, strict=True) if done is None]
+    closed = iter(work.done("closing loops", replay, open_))
+    done, count = [next(closed) if one is None else one for one in seen], 1 + len(others)
+    loops = [done[number : number + count] for number in range(0, len(done), count)]
+    on_plants = _on_plants(known, wanted, [of_law[0] for of_law in loops], plants, work)
+    return [
+        _answer(known, asked, of_law, others, on_plant)
+        for asked, of_law, on_plant in zip(wanted, loops, on_plants, strict=True)
+    ]
+
+
+def _is_off(asked: Asked) -> bool:
+    """Return whether what is asked for is no loop: the winch is locked."""
+    return asked.controller.law == OFF
+
+
+def _seen(known: Known, asked: Asked) -> Replayed | None:
+    """Return what is asked for where what is `known` has it already: the winch locked, or the record itself."""
+    if _is_off(asked):
+        return known.off
+    is_own = asked.controller == known.nominal and asked.winch is None
+    return _as_recorded(known) if is_own and known.again.is_same else None
+
+
+def _on_plants(
+    known: Known, wanted: Sequence[Asked], loops: Sequence[Replayed], plants: Sequence[CableFit], work: Work
+) -> list[list[Figures]]:
+    """Return, for each loop that is `wanted`, its figures with the payout of what is `known` on each of other `plants`.
+
+    `loops` are what each of them does over what is known.
+    """
+    if not plants:
+        return [[] for _ in wanted]
+    others = known.under(plants, partial(work.done, "motions of other plants", driven))
+    tasks = [
+        one.past.drive(done.payout, done.rate)
+        for asked, done in zip(wanted, loops, strict=True)
+        if not _is_off(asked)
+        for one in others
+    ]
+    motions = iter(work.done("motions of each law on other plants", driven, tasks))
+
+    def figures_on(one: Known, asked: Asked, done: Replayed) -> Figures:
+        if _is_off(asked):
+            return _figures(one, one.off)
+        motion = next(motions)
+        return _figures(one, replace(done, unit=motion.unit, tension=motion.tension))
+
+    return [[figures_on(one, asked, done) for one in others] for asked, done in zip(wanted, loops, strict=True)]
+
+
+def _answer(
+    known: Known, asked: Asked, loops: Sequence[Replayed], others: Sequence[Known], on_plants: Sequence[Figures]
+) -> Answer:
+    """Return what a loop would have done.
+
+    Parameters
+    ----------
+    known : by the record
+    asked : for the loop
+    loops : what it does over that, and over each draw
+    others : draws of what is known
+    on_plants : its figures on other plants
+    """
+    done, *drawn = loops
+    base = _figures(known, done)
+    draws = [_figures(one, what) for one, what in zip(others, drawn, strict=True)]
+    past, window = known.past, known.window
+    spread = Spread(
+        loops=[one.beside(base) for one in draws],
+        plants=[one.beside(base) for one in on_plants],
+        added=float(np.std((done.unit + done.set_point - past.plant.unit - known.set_point)[window])),
+        locked=float(np.std((known.off.unit - past.plant.unit)[window])),
+        model=known.model,
+    )
+    found = with_bands(base, spread, off_sigma(known), known.by_tip)
+    if _is_off(asked):
+        # it is the reference of the efficiency
+        found = replace(found, bands={**found.bands, "unit_efficiency": (0.0, 0.0)})
+    lost = [one for one in (base, *draws) if math.isfinite(one.lost_at)]
+    return Answer(asked, found, done, len(loops), len(lost), lost[0].cause if lost else "")
+
+
+def _figures(known: Known, done: Replayed) -> Figures:
+    record = known.past.record
+    is_read = bool(np.isfinite(record.tension).any())
+    tension = record.tension + done.tension - known.past.plant.tension if is_read else done.tension
+    unit = unit_motion(done, known.unexplained)
+    return figures(
+        done,
+        unit,
+        np.maximum(np.where(np.isfinite(tension), tension, done.tension), 0.0),
+        sigma=known.sigma(unit),
+        window=known.window,
+        uncompensated=off_sigma(known),
+        tick_period=record.tick_period,
+    )
+
+
+def recorded(known: Known) -> Figures:
+    """Return the figures of the record itself, by what is `known` of it."""
+    return _figures(known, _as_recorded(known))
+
+
+def _as_recorded(known: Known) -> Replayed:
+    """Return what the loop of the record did: its orders given again give its payout and readings to the last bit."""
+    past, record = known.past, known.past.record
+    return replace(
+        known.off,
+        payout=past.winch.payout,
+        rate=past.winch.rate,
+        unit=past.plant.unit,
+        tension=past.plant.tension,
+        modes=record.modes,
+        alarms=known.again.alarms,
+        limits_hit=record.limits_hit,
+    )

@@ -1,19 +1,20 @@
-"""Whether a record can carry an answer, and what it shows."""
+"""Whether a record can carry an answer, what it shows, and the answers in words."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
+from heave_bags.analyse.kpi_set import DEFINITION_OF
 from heave_bringup.errors import CommandError
 from winch_controller_node.core.supervision.modes import Mode
 
-from heave_studies.whatif.answer import limit_words
-from heave_studies.whatif.identify.evidence import BEGINS, DAMPING, INERTIA
-from heave_studies.whatif.known import OFF, Known, off_sigma, winch_moved
-from heave_studies.whatif.signals.record import LOST, Loss, SensorRecord
-from heave_studies.whatif.study import Answer
+from heave_studies.whatif.answer import KEYS, OFF, Answer, Figures, Known, limit_words, off_sigma, winch_moved
+from heave_studies.whatif.identify import AS_THEY_ARE, BEGINS, DAMPING, INERTIA
+from heave_studies.whatif.record import LOST, Loss, SensorRecord
 
 AFTER_SNAP = 1.0
 """Time before the cable is first slack at which a record is to end [s]."""
@@ -90,6 +91,11 @@ def check_record(record: SensorRecord, start: float, where: str) -> None:
                 f"{where}: {loss.sensor} was lost from {loss.start:.1f} s to {loss.end:.1f} s ({loss.reason}): "
                 f"{NEEDED[loss.sensor]} there; give --end {loss.start:.0f}"
             )
+    if math.isfinite(record.operated):
+        raise CommandError(
+            f"{where}: an operator acted at {record.operated:.1f} s, which no other law would have been asked: give "
+            f"--end {record.operated:.0f}"
+        )
     held = Mode.CONSTANT_TENSION.value
     if held in record.modes:
         time = float(record.time[record.modes.index(held)])
@@ -194,9 +200,6 @@ def warnings(known: Known, answers: Sequence[Answer]) -> list[str]:
             f"{known.again.was or 'unknown'}): a lost message, or another version"
         )
     for answer in answers:
-        refused = [one for one in answer.done.refused if one not in known.again.refused]
-        if refused:
-            lines.append(f"{answer.asked.name}: does not take what the operator requested: {refused[0]}")
         if answer.lost:
             at = answer.figures.lost_at
             shown = f"at {at:.1f} s, and the figures count both before and after" if math.isfinite(at) else "none"
@@ -227,3 +230,109 @@ def lacks(known: Known, answer: Answer) -> list[str]:
     if max(efficiency - low, high - efficiency) > WIDE:
         found.append(f"its efficiency is anywhere from {100.0 * low:.0f} to {100.0 * high:.0f} %")
     return found
+
+
+BRIEF = ("unit_efficiency", "unit_sigma_m", "significant_residual_m", "tension_max_n", "winch_speed_max_mps")
+"""Figures of the table in a terminal, beside time at limits and the chance of a fade-out."""
+
+EXPERIMENTAL = "whatif is experimental: compared with simulated runs alone (docs/guide/howto/what_would_have_been.md)"
+
+
+@dataclass(frozen=True)
+class Result:
+    """All that a command has to say."""
+
+    settings: Sequence[str]  # changes that were asked for, as for `--set`
+    notes: Sequence[str]  # on the record as it was read, a line each
+    known: Known  # by the record
+    recorded: Figures  # figures of the record itself
+    answers: Sequence[Answer]  # the first asked first
+
+    @property
+    def warnings(self) -> list[str]:
+        """What a reader must be aware of, a line each."""
+        return [*self.notes, *warnings(self.known, self.answers)]
+
+
+def banded(key: str, figures: Figures) -> str:
+    """Return the figure of a `key` among `figures` with its band, in the unit of tables."""
+    definition, value = DEFINITION_OF[key], figures.values[key]
+    if not math.isfinite(value):
+        return "-"
+    text, low, high = map(definition.text, (value, *figures.bands.get(key, (value, value))))
+    return text if low == high else f"{text} ({low} to {high})"
+
+
+def headings() -> list[str]:
+    """Return the headings of the table of answers."""
+    titles = [f"{DEFINITION_OF[key].title} [{DEFINITION_OF[key].unit}]" for key in BRIEF]
+    return ["law", "gives up", *titles, "at limits [%]"]
+
+
+def rows(result: Result) -> list[list[str]]:
+    """Return the rows of the table of a `result`: the record itself, then what would have been."""
+    found = [("recorded", "-", result.recorded)]
+    for one in result.answers:
+        is_off = one.asked.controller.law == OFF
+        found.append((one.asked.name, "-" if is_off else f"{one.lost} of {one.plants}", one.figures))
+    return [
+        [name, lost, *(banded(key, of) for key in BRIEF), f"{of.values['time_at_limit_percent']:.1f}"]
+        for name, lost, of in found
+    ]
+
+
+def lines_before(result: Result) -> list[str]:
+    """Return the lines that come before the answers of a `result`: the check, what is known, what was changed."""
+    known = result.known
+    verdict = "gives the record again" if known.again.is_same else "DOES NOT GIVE THE RECORD AGAIN"
+    lines = [
+        f"same law again: {verdict}; model of the winch alone within {1e3 * known.past.winch.error:.1f} mm of the "
+        f"encoder, twin of the unit within {1e3 * known.unexplained.waves:.1f} mm of the depth (standard deviations)",
+        "known from this record: "
+        + "; ".join(f"{of} {'yes' if is_reported else 'no'}: {why}" for of, is_reported, why in reported(known)),
+        "identified: " + ", ".join(_identified(known)),
+    ]
+    return [*lines, *([f"each law with {' and '.join(result.settings)}"] if result.settings else [])]
+
+
+def _identified(known: Known) -> list[str]:
+    """Return what was identified, with its standard deviation, and by the adviser, in words."""
+    found = [
+        f"{name} {value:.3g} (sigma {known.fit.sigma(name):.2g}){AS_THEY_ARE.get(name, '')}"
+        for name, value in known.fit.values.items()
+        if known.fit.tells(name)
+    ]
+    found += [f"{name} {belief.value:.4g} (adviser)" for name, belief in known.again.beliefs.values.items()]
+    period = known.evidence.source.high_pass.period
+    return [*found, *([f"high-pass of the MRU {period:.0f} s"] if period else [])] or ["nothing"]
+
+
+def to_json(result: Result) -> dict[str, Any]:
+    """Return all of a `result` for a machine; bands are of 90 %."""
+    known = result.known
+    return {
+        "settings": list(result.settings),
+        "same_law_again": known.again.is_same,
+        "reported": {of: {"is_reported": is_reported, "why": why} for of, is_reported, why in reported(known)},
+        "identified": {
+            name: {"value": value, "sigma": known.fit.sigma(name)} for name, value in known.fit.values.items()
+        },
+        "beliefs": {name: belief.value for name, belief in known.again.beliefs.values.items()},
+        "chi2": known.fit.chi2,
+        "uncompensated_sigma_m": off_sigma(known),
+        "recorded": {key: result.recorded.values[key] for key in KEYS},
+        "warnings": result.warnings,
+        "answers": [
+            {
+                "name": one.asked.name,
+                "law": one.asked.controller.law,
+                **{key: one.figures.values[key] for key in KEYS},
+                "bands": {key: list(band) for key, band in one.figures.bands.items()},
+                "fade_out_probability": one.fade_out,
+                "fade_out_cause": one.cause,
+                "fade_out_at_s": one.figures.lost_at,
+                "record_lacks": lacks(known, one),
+            }
+            for one in result.answers
+        ],
+    }

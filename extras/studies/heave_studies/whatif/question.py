@@ -22,14 +22,10 @@ from winch_controller_node.laws.registry import LAWS
 from winch_controller_node.model.lqr import DesignError
 from winch_controller_node.node_parameters import WinchControllerParameters
 
-from heave_studies.whatif.fitness import check_known, check_record
-from heave_studies.whatif.known import drawn, learn, other_plants
-from heave_studies.whatif.signals.from_bag import read_record, scenario_text, write_text
-from heave_studies.whatif.study import answers, recorded
-from heave_studies.whatif.twin.plant import driven
-from heave_studies.whatif.twin.replay import Asked
-from heave_studies.whatif.twin.winch import winch_under
-from heave_studies.whatif.words import Result
+from heave_studies.whatif.answer import answers, drawn, learn, other_plants, recorded
+from heave_studies.whatif.fitness import Result, check_known, check_record
+from heave_studies.whatif.record import read_record, scenario_text, write_text
+from heave_studies.whatif.twin import Asked, driven, winch_under
 from heave_studies.whatif.work import Show, quiet, work_in
 
 CONTROLLER, WINCH = "winch_controller", "virtual_winch"
@@ -96,7 +92,7 @@ def _answered(source: Path, question: Question, scratch: Path, show: Show) -> Re
         others = [drawn(known, SEED, number, follow) for number in range(DRAWS)]
         wanted = asked_of(question, scenario, known.past.winch_parameters, has_adviser=record.has_adviser)
         found = answers(known, wanted, others, other_plants(known, SEED), work=work)
-    return Result(question.settings, notes, known, recorded(known, found), found)
+    return Result(question.settings, notes, known, recorded(known), found)
 
 
 def asked_of(

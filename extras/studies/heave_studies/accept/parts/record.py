@@ -9,6 +9,8 @@ from pathlib import Path
 import numpy as np
 from heave_bags.mcap.read.folder import bag_of
 from heave_bags.signals import RunSignals, Signal
+from heave_devices.bench.set_signal import Event, WinchTest
+from heave_devices.bench.winch import Trace
 from heave_devices.maps.channel import Channel
 from heave_devices.records.sample_checks import Findings
 from heave_devices.records.sea_import import record_channels
@@ -17,8 +19,7 @@ from heave_devices.records.ship_log import is_text
 
 from heave_studies.accept.measured import Measured, Nominal, rate_of
 from heave_studies.accept.parts.run import depth_of, read_loop
-from heave_studies.accept.parts.winch import Trace
-from heave_studies.accept.procedure import Event, Step, WinchTest
+from heave_studies.accept.procedure import Step
 from heave_studies.accept.results import lacking_words
 
 QUANTITIES = ("heave", "payout", "payout_rate", "ordered_rate", "unit_heave", "tension", "pressure")

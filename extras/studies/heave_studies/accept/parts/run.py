@@ -18,6 +18,7 @@ from heave_bringup.run.launcher import Launcher
 from heave_bringup.run.run import Composed, RunFolder, run_scenario
 from heave_bringup.scenarios import Scenario, load_scenario
 from heave_bringup.settings import Setting, make_setting
+from heave_devices.bench.set_signal import Event
 from heave_msgs.msg import TickStatus
 from heave_node.interface import topics
 from heave_node.interface.alarm import alarms_in
@@ -29,7 +30,7 @@ from heave_node.run_parameters import REALTIME
 from heave_node.scenario import WILDCARD
 
 from heave_studies.accept.measured import Measured
-from heave_studies.accept.procedure import FAULTS_OF, Event, Procedure, RunTest
+from heave_studies.accept.procedure import FAULTS_OF, Procedure, RunTest
 
 _SENSORS: Mapping[str, Sensor] = {"mru": MRU, "depth": DEPTH, "load_cell": LOAD_CELL}
 _WINCH = topics.WINCH_STATE.name

@@ -137,3 +137,32 @@ KINDS: Mapping[str, SignalKind] = {
     "brake": SignalKind(brake, {"duration": "time"}, {}),
 }
 """Kinds of set signals by the name that a procedure gives them."""
+
+
+COMMAND_LOSS, BRAKE = "command_loss", "brake"
+"""Events that the test does itself, to a virtual and to a real winch: it sends nothing more, or requests the brake."""
+
+
+@dataclass(frozen=True)
+class WinchTest:
+    """A winch by itself: the `signal` that it is ordered to follow, under a `load` [N]."""
+
+    signal: SetSignal
+    load: float = 0.0
+
+
+@dataclass(frozen=True)
+class Event:
+    """What is done to a part during a step."""
+
+    device: str  # name of it
+    fault: str  # kind of fault (`heave_node.interface.faults`), COMMAND_LOSS or BRAKE
+    at: float  # [s]
+    duration: float = 0.0  # [s]; 0: to the end
+    magnitude: float = 0.0  # in the unit of its kind
+    ask: str = ""  # what a person does where the part is real; "": the test does it itself
+
+    @property
+    def words(self) -> str:
+        """What happens, in a line."""
+        return f"{self.device}: {self.fault.replace('_', ' ')} at {self.at:g} s"

@@ -10,18 +10,18 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
 from heave_bringup.errors import CommandError
-from heave_devices.adapt.device import LiveDevice
-from heave_devices.adapt.report import stale_words
-from heave_devices.live.adapter import WINCH_STATE
-from heave_devices.live.winch_handshake import WinchOrder
-from heave_devices.maps.device_map import DeviceMap
 from heave_node.parameters import ParameterError
 from heave_node.ros.process import leave_ros, node_beside
 from heave_node.ros.spin import Spinner
 from heave_node.ros.transport.environment import prepare_environment
 
-from heave_studies.accept.parts.winch import PERIOD, Sample
-from heave_studies.accept.procedure import Event
+from heave_devices.adapt.device import LiveDevice
+from heave_devices.adapt.report import stale_words
+from heave_devices.bench.set_signal import Event
+from heave_devices.bench.winch import PERIOD, Sample
+from heave_devices.live.adapter import WINCH_STATE
+from heave_devices.live.winch_handshake import WinchOrder
+from heave_devices.maps.device_map import DeviceMap
 
 READY = 8.0
 """A winch that has not reported its payout after this time is not there [s]."""

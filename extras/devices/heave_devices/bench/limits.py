@@ -11,7 +11,7 @@ from heave_node.loads.strength import Strength
 from heave_node.numerics.arrays import Array
 from heave_node.parameters import ParameterError
 
-from heave_studies.accept.set_signal import SetSignal
+from heave_devices.bench.set_signal import SetSignal
 
 _STEP = 0.1
 """Time between the moments at which a set signal is looked at [s]."""

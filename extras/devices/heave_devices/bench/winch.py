@@ -12,12 +12,10 @@ import numpy as np
 from cable_sim_node.winch.command_line import WinchCommand
 from cable_sim_node.winch.component import VirtualWinch
 from cable_sim_node.winch.parameters import WinchParameters
-from heave_bags.signals import RunSignals, Signal
 from heave_bringup.errors import CommandError
 from heave_node.numerics.arrays import Array
 
-from heave_studies.accept.measured import Measured, Nominal
-from heave_studies.accept.procedure import BRAKE, COMMAND_LOSS, Event, WinchTest
+from heave_devices.bench.set_signal import BRAKE, COMMAND_LOSS, Event, WinchTest
 
 PERIOD = 0.05
 """Time from one order to the next [s]."""
@@ -110,17 +108,6 @@ class Trace:
     def save(self, path: Path) -> None:
         """Write it to the CSV file `path`."""
         np.savetxt(path, self.rows, fmt="%.6g", delimiter=",", header=",".join(self.HEADER), comments="")
-
-    def measured(self, test: WinchTest, nominal: Nominal) -> Measured:
-        """Return what figures are computed from, of a `test` of a winch that should be `nominal`."""
-        time = self.rows[:, 0]
-        ordered, payout, rate = (Signal(time, self.rows[:, column]) for column in (1, 2, 3))
-        run = RunSignals(payout=payout, payout_rate=rate, speed_limit=nominal.speed)
-        if test.load > 0.0:
-            run.tension = Signal(time, np.full(time.size, test.load))
-        end = float(time[-1]) if math.isfinite(self.event) else min(test.signal.duration, float(time[-1]))
-        lacks = f"unknown, the winch fell silent at {self.silent:.1f} s" if math.isfinite(self.silent) else ""
-        return Measured(run, 0.0, end, ordered, self.event, nominal=nominal, lacks=lacks)
 
 
 def release(part: WinchPart, name: str) -> Sample:

@@ -1,1 +1,0 @@
-"""Cable, unit and MRU by the whole record."""

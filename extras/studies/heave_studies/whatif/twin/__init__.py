@@ -1,1 +1,0 @@
-"""Winch, cable and unit of a record, and the loop closed over it."""
