@@ -29,6 +29,9 @@ TOUCHDOWN, LIMITS, SET_POINT = (_COLUMN[name] for name in ("touchdown_force", "l
 MRU_HEAVE, MRU_RATE, DEPTH, ENCODER = range(4)
 """Readings that the filter takes, in the order of its rows."""
 
+NOISY = (MRU_HEAVE, MRU_RATE, DEPTH)
+"""Readings of which the filter follows the noise."""
+
 DONE, LOST = 0, 1
 """How a lift ended: at its end, or where the line could not be followed."""
 
@@ -40,6 +43,7 @@ class Control(NamedTuple):
     command: Array  # B, shape (n,)
     rows: Array  # H, shape (4, n)
     gains: Array  # K', shape (p, 4, n); 0 where no reading is due
+    by_level: Array  # change of K' by each of the levels that the filter follows, shape (4, p, 4, n)
     law: Array  # G, shape (n,)
     of_sea: Array  # 1 for the states of waves and vessel, shape (n,)
     unit: tuple[int, int]  # states of the unit's heave and of its rate
@@ -52,6 +56,9 @@ class Course(NamedTuple):
     velocities: Array  # [m/s], shape (k + 1, 3)
     readings: Array  # heave [m] and its rate [m/s] that the MRU delivers, NaN where it does not, shape (k + 1, 2)
     depth_noise: Array  # of the depth measured at each tick [m], shape (k + 1,)
+    # what the filter assumes over what it was designed for, as a logarithm: the noise of each of NOISY, the height of
+    # the sea; shape (k + 1, 4)
+    levels: Array
 
 
 class Timing(NamedTuple):
@@ -80,8 +87,10 @@ def _move_on(line: LineArrays, course: Course, k: int, timing: Timing, begin: Ar
 
 
 @kernel
-def _filter(control: Control, phase: int, command: float, readings: Array, x: Array, moved: Array) -> None:
-    """Predict x and take the `readings`, those that are no number by their prediction, at a `phase` of the pattern."""
+def _filter(
+    control: Control, phase: int, command: float, readings: Array, levels: Array, x: Array, moved: Array
+) -> None:
+    """Predict x and take the `readings` that are numbers, at `levels` and a `phase` of the pattern."""
     n = x.size
     for i in range(n):
         moved[i] = control.command[i] * command
@@ -99,6 +108,35 @@ def _filter(control: Control, phase: int, command: float, readings: Array, x: Ar
         if math.isfinite(left):
             for i in range(n):
                 x[i] += control.gains[phase, m, i] * left
+            for level in range(levels.size):
+                share = levels[level] * left
+                for i in range(n):
+                    x[i] += control.by_level[level, phase, m, i] * share
+
+
+@kernel
+def heights_seen(heave: Array, tick_period: float, sigma: float, tracker: tuple[float, float, float, float, float]) -> Array:
+    """Return the height of the sea that the filter assumes at each tick, over that of its design (`sea.cpp` of the core).
+
+    Parameters
+    ----------
+    heave : of the boom tip, shape (k,) [m]
+    tick_period : [s]
+    sigma : standard deviation of that heave in the sea of the design [m]
+    tracker : memory, memory of a group, patience [s], share of a group [-], step [-], of `design.seas`
+    """
+    memory, group_memory, patience, group_share, step = tracker
+    variance, group, applied, found = 0.0, 0.0, 1.0, np.ones(heave.size)
+    for k in range(heave.size):
+        seen = (k + 1) * tick_period
+        variance += tick_period / min(seen, memory) * (heave[k] ** 2 - variance)
+        group += tick_period / min(seen, group_memory) * (heave[k] ** 2 - group)
+        settled = math.sqrt(variance) / sigma if seen >= patience else 1.0
+        ratio = max(settled, group_share * math.sqrt(group) / sigma)
+        if abs(ratio / applied - 1.0) >= step:
+            applied = ratio
+        found[k] = applied
+    return found
 
 
 @kernel
@@ -156,7 +194,7 @@ def fly(
             step = timing.resolution
             if k > 0:
                 readings[ENCODER] = step * np.rint(drum[0] / step) if step > 0.0 else drum[0]
-            _filter(control, (k + 1) % pattern, commands[k - 1] if k > 0 else 0.0, readings, x, moved)
+            _filter(control, (k + 1) % pattern, commands[k - 1] if k > 0 else 0.0, readings, course.levels[k], x, moved)
             if k + 1 >= timing.start:
                 off, off_rate = locked.tiles[0, at.Z] - zero, locked.tiles[0, at.VZ]
                 commands[k] = _command_of(control, x, authority, off, off_rate)

@@ -7,24 +7,30 @@ so that twice as many ticks cost one more product (doubling; Chu, Fan and Lin, L
 
 from __future__ import annotations
 
+import math
+from dataclasses import replace
 from functools import reduce
 from typing import NamedTuple
 
 import numpy as np
+from heave_core.sense_table import NOISE_READINGS
 from heave_node.numerics.arrays import Array
+from winch_controller_node.core.estimation.sense_design import GATES
 from winch_controller_node.design.design import ControllerDesign
 from winch_controller_node.design.prediction import FilterModel, filter_gain, filter_model
 from winch_controller_node.laws.mpc import MpcParameters, free_gain
 from winch_controller_node.model.lqr import DesignError
 from winch_controller_node.model.regulator import is_sea_state, is_sensor_state
 
-from heave_studies.batch.kernel import DEPTH, ENCODER, MRU_HEAVE, MRU_RATE, Control
+from heave_studies.batch.kernel import DEPTH, ENCODER, MRU_HEAVE, MRU_RATE, NOISY, Control
 
 READINGS = {"mru_heave": MRU_HEAVE, "mru_heave_rate": MRU_RATE, "unit_heave": DEPTH, "payout": ENCODER}
 """Measurements that the kernel gives, by name."""
 
 DOUBLINGS = 24
 """Twice as many ticks each: 10 days of a tick of 50 ms."""
+LEVEL_STEP = 0.2
+"""Change of the logarithm of a noise, or of the height of the sea, over which the gains are taken to be straight."""
 SETTLED = 1e-10
 """Change of the covariance over a doubling, relative, at which it is stationary."""
 
@@ -88,16 +94,51 @@ def control_of(design: ControllerDesign, gain: Array) -> Control:
     """
     model = filter_model(design)
     n, order, pattern = len(model.A), design.model.order, len(model.rows)
-    rows, gains = np.zeros((4, n)), np.zeros((pattern, 4, n))
-    for phase, found in enumerate(stationary_gains(model)):
-        for column, name in enumerate(model.names[phase]):
-            rows[READINGS[name]] = model.rows[phase][column]
-            gains[(phase + 1) % pattern, READINGS[name]] = found[:, column]
+    higher = np.zeros_like(model.Q)
+    higher[:order, :order] = math.expm1(2.0 * LEVEL_STEP) * design.sea_noise
+    cases = [model, *(_noisier(model, reading) for reading in NOISY), replace(model, Q=model.Q + higher)]
+    rows, gains = np.zeros((4, n)), np.zeros((len(cases), pattern, 4, n))
+    for case, one in enumerate(cases):
+        for phase, found in enumerate(stationary_gains(one)):
+            for column, name in enumerate(model.names[phase]):
+                rows[READINGS[name]] = model.rows[phase][column]
+                gains[case, (phase + 1) % pattern, READINGS[name]] = found[:, column]
+    by_level = (gains[1:] - gains[0]) / LEVEL_STEP
     command, law, of_sea = np.zeros(n), np.zeros(n), np.zeros(n)
     command[:order], law[:order] = design.model.B[:, 0], gain
     of_sea[[design.model.state(name) for name in design.sea_states]] = 1.0
     unit = design.model.state("unit_heave"), design.model.state("unit_heave_rate")
-    return Control(np.ascontiguousarray(model.A.T), command, rows, gains, law, of_sea, unit)
+    return Control(np.ascontiguousarray(model.A.T), command, rows, gains[0], by_level, law, of_sea, unit)
+
+
+def _noisier(model: FilterModel, reading: int) -> FilterModel:
+    """Return a `model` of which a `reading` has more noise, by LEVEL_STEP."""
+    more = [[math.exp(2.0 * LEVEL_STEP * (READINGS[name] == reading)) for name in names] for names in model.names]
+    return replace(model, variances=[v * np.array(f) for v, f in zip(model.variances, more, strict=True)])
+
+
+def noises_seen(values: Array, nominal: float) -> Array:
+    """Return the logarithm of the noise that the filter assumes at each of some readings, over the `nominal` one (n,).
+
+    It is the larger one of the nominal and that of the third differences of the last readings, by their median
+    (`noise.cpp` of the core, from which window and steps are).
+
+    Parameters
+    ----------
+    values : readings of a sensor one after the other, shape (n,)
+    nominal : standard deviation of their noise, above 0
+    """
+    steps = np.abs(np.diff(values, 3))
+    ends = np.arange(GATES["fewest_noise"], len(steps) + 1, GATES["noise_updated"], dtype=int)
+    medians = [np.median(steps[:end]) for end in ends[ends < NOISE_READINGS]]
+    if len(steps) >= NOISE_READINGS:
+        windows = np.lib.stride_tricks.sliding_window_view(steps, NOISE_READINGS)
+        whole = windows[ends[ends >= NOISE_READINGS] - NOISE_READINGS]
+        middle = NOISE_READINGS // 2
+        medians += np.partition(whole, (middle - 1, middle))[:, middle - 1 : middle + 1].mean(axis=1).tolist()
+    seen = np.array([nominal, *np.array(medians) / GATES["noise_median"]])
+    newest = np.searchsorted(ends, np.arange(len(values)) - 2, side="right")
+    return np.asarray(np.log(np.maximum(seen / nominal, 1.0))[newest])
 
 
 def settling_share(design: ControllerDesign, gain: Array, time: float) -> float:

@@ -26,11 +26,12 @@ from wave_vessel_node.mru.mru import MotionReferenceUnit
 from winch_controller_node.core.supervision.modes import Mode
 from winch_controller_node.design.design import ControllerDesign, design_controller
 from winch_controller_node.design.prediction import sensor_periods
+from winch_controller_node.design.seas import GROUP_MEMORY, GROUP_SHARE, MEMORY, PATIENCE, STEP, sigma_and_frequency
 from winch_controller_node.model.lqr import DesignError
 
 from heave_studies.batch.fit import not_covered
-from heave_studies.batch.kernel import DONE, Control, Course, Timing, fly
-from heave_studies.batch.law import READINGS, control_of, law_gain, settling_share
+from heave_studies.batch.kernel import DONE, Control, Course, Timing, fly, heights_seen
+from heave_studies.batch.law import READINGS, control_of, law_gain, noises_seen, settling_share
 
 NEAR = 0.8
 """Share of a limit of the winch from which on the law is not the free one (`near_limits.BEGINS` of the controller)."""
@@ -39,8 +40,11 @@ LEFT = 0.2
 NOT_SETTLED = 0.05
 """Share of the motion from before compensation that may be left when the transient ends."""
 
+SEA_TRACKER = (MEMORY, GROUP_MEMORY, PATIENCE, GROUP_SHARE, STEP)
+"""By what the filter follows the height of the sea, see `heights_seen`."""
+
 _NONE = np.zeros(1)
-NO_CONTROL = Control(np.zeros((1, 1)), _NONE, np.zeros((4, 1)), np.zeros((1, 4, 1)), _NONE, _NONE, (0, 0))
+NO_CONTROL = Control(np.zeros((1, 1)), _NONE, np.zeros((4, 1)), np.zeros((1, 4, 1)), np.zeros((4, 1, 4, 1)), _NONE, _NONE, (0, 0))
 
 
 class NotCovered(ValueError):
@@ -157,7 +161,22 @@ class LiftBatch:
         tips[:, 2], velocities[:, 2] = p.sea.boom_tip_height + heave[:, 0], heave[:, 1]
         readings = MotionReferenceUnit(p.sea.mru, seed=seed, tick_period=p.tick_period).series(heave)
         noise = p.plant.sensors.depth.noise * random_stream(seed, "cable_sim/depth").standard_normal(count)
-        return Course(tips, velocities, readings, noise)
+        levels = self._levels(heave[:, 0], readings, noise) if self._moves else np.zeros((count, 4))
+        return Course(tips, velocities, readings, noise, levels)
+
+    def _levels(self, heave: Array, readings: Array, depth_noise: Array) -> Array:
+        """Return what the filter assumes of noises and sea at each tick, see `Course`."""
+        mru, depth, timing = self._p.sea.mru, self._p.plant.sensors.depth, self._timing
+        levels = np.zeros((len(readings), 4))
+        due = np.flatnonzero(np.isfinite(readings[:, 0]))
+        for column, nominal in enumerate((mru.noise, mru.rate_noise)):
+            levels[due, column] = noises_seen(readings[due, column], nominal)
+        # a unit that is held moves so little that its third differences are noise
+        measured = np.arange(timing.depth_period - 1, len(readings) - timing.depth_age, timing.depth_period)
+        levels[measured + timing.depth_age, 2] = noises_seen(depth_noise[measured], depth.noise)
+        sigma = sigma_and_frequency(self._p.controller.sea, self._p.controller.vessel)[0]
+        levels[:, 3] = np.log(heights_seen(heave, timing.tick_period, sigma, SEA_TRACKER))
+        return levels
 
     def _flag(self, record: LoopRecord) -> str:
         """Return why a lift belongs into the full loop; "" where it does not."""
