@@ -94,9 +94,7 @@ class RaoSource(MotionSource):
         heading = self._course.heading(at)
         relative, speed = sea.direction - heading, self._course.speed(at)
         one_leg = len(self._course.legs) == 1
-        response = (
-            self._table.at(sea.frequency, relative, speed) if one_leg else self._response.at(relative, speed)
-        )
+        response = self._table.at(sea.frequency, relative, speed) if one_leg else self._response.at(relative, speed)
         rows = np.vstack((response, np.exp(-1j * self._arm_lag(heading))))
         return HarmonicSum(encounter, phasor * rows, self._tick_period)
 

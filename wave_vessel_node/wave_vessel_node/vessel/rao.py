@@ -94,7 +94,9 @@ class ResponseTable:
         by_speed = speed_weights(self.speed, speed)
         counts = np.flatnonzero(by_speed)
         found = self._in_frequency(frequency, self.response[counts])
-        parts = [share * np.einsum("h,hdn->dn", by_heading, one) for share, one in zip(by_speed[counts], found, strict=True)]
+        parts = [
+            share * np.einsum("h,hdn->dn", by_heading, one) for share, one in zip(by_speed[counts], found, strict=True)
+        ]
         return np.asarray(sum(parts))
 
     def sampled(self, frequency: Array) -> SampledResponse:
@@ -154,7 +156,9 @@ class SampledResponse:
         angle = np.mod(heading, 2.0 * np.pi)
         cell = np.clip(np.searchsorted(self.knots, angle, side="right") - 1, 0, self.knots.size - 2)
         powers = (angle - self.knots[cell])[:, None] ** np.arange(3, -1, -1)
-        chosen = np.tensordot(speed_weights(self.speed, speed), self.coefficients[:, np.arange(angle.size), cell], axes=1)
+        chosen = np.tensordot(
+            speed_weights(self.speed, speed), self.coefficients[:, np.arange(angle.size), cell], axes=1
+        )
         return np.asarray(np.einsum("ndp,np->dn", chosen, powers))
 
 

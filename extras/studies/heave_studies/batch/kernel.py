@@ -115,7 +115,9 @@ def _filter(
 
 
 @kernel
-def heights_seen(heave: Array, tick_period: float, sigma: float, tracker: tuple[float, float, float, float, float]) -> Array:
+def heights_seen(
+    heave: Array, tick_period: float, sigma: float, tracker: tuple[float, float, float, float, float]
+) -> Array:
     """Return the height of the sea that the filter assumes at each tick, over that of its design (`sea.cpp` of the core).
 
     Parameters
@@ -177,7 +179,7 @@ def fly(
     ticks, n, pattern = len(record), control.law.size, len(control.gains)
     x, moved, readings = np.zeros(n), np.zeros(n), np.full(4, np.nan)
     drum, before, rest = np.zeros(4), np.zeros(4), np.zeros(4)
-    commands, heave = np.zeros(ticks), np.zeros(ticks)
+    commands, heave, begun = np.zeros(ticks), np.zeros(ticks), np.zeros(2)
     decay = math.exp(-timing.tick_period / servo[0].time_constant)
     zero, moves, strain = plant.tiles[0, at.Z], timing.start <= ticks, plant.numbers[at.SEEN_STRAIN]
     first = -course.depth_noise[timing.depth_period - 1]  # the depth counts from where its first reading was
@@ -197,7 +199,9 @@ def fly(
             _filter(control, (k + 1) % pattern, commands[k - 1] if k > 0 else 0.0, readings, course.levels[k], x, moved)
             if k + 1 >= timing.start:
                 off, off_rate = locked.tiles[0, at.Z] - zero, locked.tiles[0, at.VZ]
-                commands[k] = _command_of(control, x, authority, off, off_rate)
+                if k + 1 == timing.start:  # the controller's own locked unit begins where its estimate is
+                    begun[0], begun[1] = x[control.unit[0]] - off, x[control.unit[1]] - off_rate
+                commands[k] = _command_of(control, x, authority, off + begun[0], off_rate + begun[1])
             sent = commands[k - timing.delay] if k >= timing.delay else 0.0
             before[:] = drum
             power_speed = timing.power_limit / max(plant.numbers[at.SEEN_TENSION], 1.0)

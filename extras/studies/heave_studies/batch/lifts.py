@@ -26,7 +26,7 @@ from wave_vessel_node.mru.mru import MotionReferenceUnit
 from winch_controller_node.core.supervision.modes import Mode
 from winch_controller_node.design.design import ControllerDesign, design_controller
 from winch_controller_node.design.prediction import sensor_periods
-from winch_controller_node.design.seas import GROUP_MEMORY, GROUP_SHARE, MEMORY, PATIENCE, STEP, sigma_and_frequency
+from winch_controller_node.design.seas import GROUP_MEMORY, GROUP_SHARE, MEMORY, PATIENCE, STEP
 from winch_controller_node.model.lqr import DesignError
 
 from heave_studies.batch.fit import not_covered
@@ -44,7 +44,9 @@ SEA_TRACKER = (MEMORY, GROUP_MEMORY, PATIENCE, GROUP_SHARE, STEP)
 """By what the filter follows the height of the sea, see `heights_seen`."""
 
 _NONE = np.zeros(1)
-NO_CONTROL = Control(np.zeros((1, 1)), _NONE, np.zeros((4, 1)), np.zeros((1, 4, 1)), np.zeros((4, 1, 4, 1)), _NONE, _NONE, (0, 0))
+NO_CONTROL = Control(
+    np.zeros((1, 1)), _NONE, np.zeros((4, 1)), np.zeros((1, 4, 1)), np.zeros((4, 1, 4, 1)), _NONE, _NONE, (0, 0)
+)
 
 
 class NotCovered(ValueError):
@@ -117,6 +119,7 @@ class LiftBatch:
             left = settling_share(design, gain, self._scenario.run.transient - begun)
             if left > NOT_SETTLED:
                 raise NotCovered(f"{100 * left:.0f} % of a swing is left when the transient ends")
+            self._tip_sigma = design.sigma["boom_tip_heave"]
             return control_of(design, gain)
         except DesignError as error:
             raise NotCovered(" ".join(str(error).split())) from error
@@ -174,15 +177,16 @@ class LiftBatch:
         # a unit that is held moves so little that its third differences are noise
         measured = np.arange(timing.depth_period - 1, len(readings) - timing.depth_age, timing.depth_period)
         levels[measured + timing.depth_age, 2] = noises_seen(depth_noise[measured], depth.noise)
-        sigma = sigma_and_frequency(self._p.controller.sea, self._p.controller.vessel)[0]
-        levels[:, 3] = np.log(heights_seen(heave, timing.tick_period, sigma, SEA_TRACKER))
+        levels[:, 3] = np.log(heights_seen(heave, timing.tick_period, self._tip_sigma, SEA_TRACKER))
         return levels
 
     def _flag(self, record: LoopRecord) -> str:
         """Return why a lift belongs into the full loop; "" where it does not."""
-        for words, happens in FLAGS.items():
-            if happens(record, self._p):
-                return words
+        judged = LoopRecord(record.rows[record.rows[:, 0] >= self._scenario.run.transient])
+        for flags, seen in ((FLAGS, record), (FLAGS_OF_WINCH, judged)):
+            for words, happens in flags.items():
+                if happens(seen, self._p):
+                    return words
         begun = (self._start - 1) * self._p.tick_period + self._p.controller.modes.fade_in_time
         if self._moves and _left(record, begun) > LEFT:
             return f"more than {100 * LEFT:.0f} % of the motion is left"
@@ -190,7 +194,7 @@ class LiftBatch:
 
 
 def _any(record: LoopRecord, name: str, limit: float = 0.0) -> bool:
-    return bool(np.abs(record.column(name)).max() > limit)
+    return bool(np.abs(record.column(name)).max(initial=0.0) > limit)
 
 
 def _near_power(record: LoopRecord, p: LoopParameters) -> bool:
@@ -215,6 +219,11 @@ def _near_tensions(record: LoopRecord, p: LoopParameters) -> bool:
 FLAGS: dict[str, Callable[[LoopRecord, LoopParameters], bool]] = {
     "a slack cable": lambda record, _: _any(record, "slack_segments"),
     "the unit on the seabed": lambda record, _: _any(record, "touchdown_force"),
+    "near the ends of the payout": _near_ends,
+    "near the tensions that the law keeps": _near_tensions,
+}
+"""What happens in a lift that belongs into the full loop, in words."""
+FLAGS_OF_WINCH: dict[str, Callable[[LoopRecord, LoopParameters], bool]] = {
     "a limit of the winch": lambda record, _: _any(record, "limits_hit"),
     "near the winch's speed": lambda record, p: _any(
         record, "payout_rate", NEAR * p.winch.speed_limit * p.winch.hauling_speed_share
@@ -223,10 +232,8 @@ FLAGS: dict[str, Callable[[LoopRecord, LoopParameters], bool]] = {
         record, "payout_acceleration", NEAR * p.winch.acceleration_limit * p.winch.hauling_acceleration_share
     ),
     "near the winch's power": _near_power,
-    "near the ends of the payout": _near_ends,
-    "near the tensions that the law keeps": _near_tensions,
 }
-"""What happens in a lift that belongs into the full loop, in words."""
+"""The same, in the time that is judged: what the first swing asks for is over by then."""
 
 
 def _left(record: LoopRecord, begun: float) -> float:

@@ -31,7 +31,11 @@ def screen(tasks: Sequence[Task]) -> Plain:
     meter = Meter()
     with meter.of(START):
         batch = _batch_of(tasks[0])
-    return {LIFTS: {str(task.case.number): _screened(task, batch, meter if n == 0 else Meter()) for n, task in enumerate(tasks)}}
+    return {
+        LIFTS: {
+            str(task.case.number): _screened(task, batch, meter if n == 0 else Meter()) for n, task in enumerate(tasks)
+        }
+    }
 
 
 def _batch_of(task: Task) -> LiftBatch | str:
@@ -71,4 +75,3 @@ def screening_words(frame: pandas.DataFrame) -> str:
     reasons = ", ".join(f"{words} ({count})" for words, count in why.head(6).items())
     rest = f"; in the full loop: {reasons}" if len(why) else ""
     return f"{number} of {len(frame)} cases were screened: the plant under a fixed law, without adviser, modes, gates{rest}"
-

@@ -60,7 +60,9 @@ class Cases:
     def identity(self) -> str:
         """What identifies the results: every value of every case, and the files that they read."""
         of = self.study
-        digest = hashlib.sha256(repr((of.search, of.draws, of.refinement, of.has_baseline, of.has_adviser, of.has_screening)).encode())
+        digest = hashlib.sha256(
+            repr((of.search, of.draws, of.refinement, of.has_baseline, of.has_adviser, of.has_screening)).encode()
+        )
         for task in self._first:
             digest.update(task.values.encode())
         for file in self.files.values():
