@@ -1,5 +1,7 @@
 """The batch of lifts: within 2 % of the full loop where it covers a case, and flagged where it does not."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 import scipy.linalg
@@ -11,7 +13,7 @@ from heave_bringup.settings import make_setting
 from heave_studies.batch.fit import not_covered
 from heave_studies.batch.kernel import heights_seen
 from heave_studies.batch.law import noises_seen, stationary_gains
-from heave_studies.batch.lifts import SEA_TRACKER, LiftBatch, NotCovered
+from heave_studies.batch.lifts import SEA_TRACKER, LiftBatch, NotCoveredError
 from heave_studies.batch.screening import screening_words
 from heave_studies.study.cases import Cases
 from heave_studies.study.engine import run_study
@@ -119,7 +121,7 @@ def test_the_noise_is_followed_as_the_core_follows_it() -> None:
 )
 def test_what_is_not_covered_is_named(changes: dict[str, object], why: str) -> None:
     assert not_covered(case(**changes)) == why
-    with pytest.raises(NotCovered, match=why[:20]):
+    with pytest.raises(NotCoveredError, match=why[:20]):
         LiftBatch(case(**changes))
 
 
@@ -136,7 +138,7 @@ def test_a_lift_that_leaves_what_is_linear_is_flagged(scenario: tuple, flag: str
     assert LiftBatch(in_sea(name, height, period, **changes)).fly(4).flag == flag
 
 
-def test_a_study_screens_what_it_can_and_runs_the_rest_in_full(tmp_path) -> None:  # type: ignore[no-untyped-def] # noqa: ANN001
+def test_a_study_screens_what_it_can_and_runs_the_rest_in_full(tmp_path: Path) -> None:
     def study(has_screening: bool) -> Study:
         return Study(
             path=tmp_path / "two.yaml",

@@ -117,7 +117,7 @@ class ResponseTable:
         return SampledResponse(self.speed, headings, np.array(coefficients))
 
     def _in_frequency(self, frequency: Array, responses: ComplexArray) -> Iterator[ComplexArray]:
-        """Yield each of the `responses` (s, h, 6, f) from all headings round at a `frequency` (n,): (headings, 6, n)."""
+        """Yield each of the `responses` (s, h, 6, f) all headings round at a `frequency` (n,), (headings, 6, n)."""
         inside = np.clip(frequency, self.frequency[0], self.frequency[-1])
         tail = above_the_table(frequency, self.frequency[-1])
         for response in responses:
@@ -163,7 +163,7 @@ class SampledResponse:
 
 
 def speed_weights(speeds: Array, speed: float) -> Array:
-    """Return what each of the `speeds` of a table counts for at a `speed`, shape (s,): a cubic, its slope continuous."""
+    """Return what each of the `speeds` of a table counts for at a `speed`, shape (s,): a cubic of continuous slope."""
     count = speeds.size
     if count == 1:
         return np.ones(1)

@@ -118,7 +118,7 @@ def _filter(
 def heights_seen(
     heave: Array, tick_period: float, sigma: float, tracker: tuple[float, float, float, float, float]
 ) -> Array:
-    """Return the height of the sea that the filter assumes at each tick, over that of its design (`sea.cpp` of the core).
+    """Return the height of the sea that the filter assumes at each tick over that of its design (core: `sea.cpp`).
 
     Parameters
     ----------
@@ -143,11 +143,12 @@ def heights_seen(
 
 @kernel
 def _command_of(control: Control, x: Array, authority: float, heave: float, rate: float) -> float:
-    """Return u for a share of the sea, of which the locked unit moves by `heave` and `rate` (`shift_state` of the core)."""
+    """Return u for a share of the sea; the locked unit moves by `heave` and `rate` (core: `shift_state`)."""
     command = 0.0
     for i in range(x.size):
         command -= control.law[i] * x[i] * (authority if control.of_sea[i] > 0.0 else 1.0)
-    return command + (1.0 - authority) * (control.law[control.unit[0]] * heave + control.law[control.unit[1]] * rate)
+    off: float = control.law[control.unit[0]] * heave + control.law[control.unit[1]] * rate
+    return command + (1.0 - authority) * off
 
 
 @kernel

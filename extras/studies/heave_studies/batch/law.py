@@ -27,6 +27,7 @@ from heave_studies.batch.kernel import DEPTH, ENCODER, MRU_HEAVE, MRU_RATE, NOIS
 READINGS = {"mru_heave": MRU_HEAVE, "mru_heave_rate": MRU_RATE, "unit_heave": DEPTH, "payout": ENCODER}
 """Measurements that the kernel gives, by name."""
 
+MPC = "mpc"
 DOUBLINGS = 24
 """Twice as many ticks each: 10 days of a tick of 50 ms."""
 LEVEL_STEP = 0.2
@@ -83,8 +84,8 @@ def law_gain(design: ControllerDesign) -> Array | None:
     law, parameters = design.parameters.law, design.parameters
     if law == "lqg":
         return design.gain
-    mpc: MpcParameters = parameters.mpc
-    return free_gain(design.model, mpc) if law == "mpc" and mpc.preview_time == 0.0 else None
+    mpc: MpcParameters = getattr(parameters, MPC)  # one group for each law that is there
+    return free_gain(design.model, mpc) if law == MPC and mpc.preview_time == 0.0 else None
 
 
 def control_of(design: ControllerDesign, gain: Array) -> Control:

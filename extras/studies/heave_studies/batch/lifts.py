@@ -1,10 +1,10 @@
 """Cases of one system in many seas, each as a record of the loop: the plant's own kernels under a fixed law.
 
-What is as in the loop in one process: sea and boom-tip heave, the noise of MRU, depth sensor and encoder (by the same
-seeds), line, locked line, servo, delays, law, and the fade-in of compensation. What is not: the filter is the stationary
-one of the design, where the loop's follows the sensors' noise and the sea's height as it sees them; compensation begins
-when the settling time is over, with no proof waited for; the boom tip moves vertically alone; no gate, mode, alarm or
-adviser acts. Where one of them would matter the lift is flagged, and belongs into the full loop.
+As in the loop in one process: sea and boom-tip heave, the noise of MRU, depth sensor and encoder (by the same seeds),
+line, locked line, servo, delays, law, and the fade-in of compensation. Not so: the filter is the stationary one of the
+design, its gains straight in the noises and in the height of the sea as seen; compensation begins when the settling
+time is over, and waits for no proof; the boom tip moves vertically alone; no gate, mode, alarm or adviser acts. Where
+one of them would matter the lift is flagged, and belongs into the full loop.
 """
 
 from __future__ import annotations
@@ -49,7 +49,7 @@ NO_CONTROL = Control(
 )
 
 
-class NotCovered(ValueError):
+class NotCoveredError(ValueError):
     """A case that belongs into the full loop; its message says why."""
 
 
@@ -69,7 +69,7 @@ class LiftBatch:
     ----------
     scenario : of the case, whatever its seed
 
-    Raises NotCovered where no screening covers the case.
+    Raises NotCoveredError where no screening covers the case.
 
     Attributes
     ----------
@@ -79,7 +79,7 @@ class LiftBatch:
     def __init__(self, scenario: Scenario) -> None:
         self._scenario, self._p = scenario, loop_parameters(scenario)
         if words := not_covered(scenario):
-            raise NotCovered(words)
+            raise NotCoveredError(words)
         p, dt = self._p, self._p.tick_period
         self._ticks = round(p.duration / dt)
         self._moves = scenario.moves_winch
@@ -113,34 +113,34 @@ class LiftBatch:
             design = design_controller(p, tick_period=dt)
             gain = law_gain(design)
             if gain is None:
-                raise NotCovered(f"law {p.law} with a preview")
+                raise NotCoveredError(f"law {p.law} with a preview")
             self._check_readings(design)
             begun = self._start * dt + p.modes.fade_in_time
             left = settling_share(design, gain, self._scenario.run.transient - begun)
             if left > NOT_SETTLED:
-                raise NotCovered(f"{100 * left:.0f} % of a swing is left when the transient ends")
+                raise NotCoveredError(f"{100 * left:.0f} % of a swing is left when the transient ends")
             self._tip_sigma = design.sigma["boom_tip_heave"]
             return control_of(design, gain)
         except DesignError as error:
-            raise NotCovered(" ".join(str(error).split())) from error
+            raise NotCoveredError(" ".join(str(error).split())) from error
 
     def _check_readings(self, design: ControllerDesign) -> None:
         """Refuse readings that the kernel does not give, and those that come otherwise than the filter assumes."""
         p, dt = self._p, self._p.tick_period
         for measured in design.measurements:
             if np.any(measured.row) and (measured.name not in READINGS or measured.scale_state is not None):
-                raise NotCovered(f"reading {measured.name}")
+                raise NotCoveredError(f"reading {measured.name}")
         depth, mru = p.plant.sensors.depth, p.sea.mru
         rates = {"depth": (depth.rate, depth.latency), "mru": (mru.rate or 1.0 / dt, mru.latency)}
         for name, (rate, latency) in rates.items():
             ticks = max(1.0, 1.0 / (rate * dt)), latency / dt
             if not np.allclose(ticks, sensor_periods(design)[name], rtol=0.0, atol=1e-6):
-                raise NotCovered(f"readings of {name} that come between ticks, or otherwise than assumed")
+                raise NotCoveredError(f"readings of {name} that come between ticks, or otherwise than assumed")
 
     def fly(self, seed: int) -> Flown:
         """Run the lift in the sea of a `seed`.
 
-        Raises NotCovered where the sea has no components that last.
+        Raises NotCoveredError where the sea has no components that last.
         """
         record = LoopRecord(np.zeros((self._ticks, len(COLUMNS))))
         plant = self._line()
@@ -159,7 +159,7 @@ class LiftBatch:
         p, count = self._p, self._ticks + 1
         heave = boom_tip_heave(p.sea, seed, p.tick_period, count)
         if heave is None:
-            raise NotCovered("a sea without components that last")
+            raise NotCoveredError("a sea without components that last")
         tips, velocities = np.zeros((2, count, 3))
         tips[:, 2], velocities[:, 2] = p.sea.boom_tip_height + heave[:, 0], heave[:, 1]
         readings = MotionReferenceUnit(p.sea.mru, seed=seed, tick_period=p.tick_period).series(heave)
@@ -246,5 +246,5 @@ def covering(scenario: Scenario) -> LiftBatch | str:
     """Return the batch of a `scenario`, or why it is not covered."""
     try:
         return LiftBatch(scenario)
-    except NotCovered as error:
+    except NotCoveredError as error:
         return str(error)

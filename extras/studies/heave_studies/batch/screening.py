@@ -8,7 +8,7 @@ from itertools import groupby
 
 import pandas
 
-from heave_studies.batch.lifts import Flown, LiftBatch, NotCovered
+from heave_studies.batch.lifts import Flown, LiftBatch, NotCoveredError
 from heave_studies.study.cost import LOOP, START, Meter
 from heave_studies.study.runs import Task, in_a_line, judge
 from heave_studies.study.table import FLAG, SCREENED
@@ -27,15 +27,13 @@ def screening_jobs(tasks: Sequence[Task]) -> Iterator[Job]:
 
 
 def screen(tasks: Sequence[Task]) -> Plain:
-    """Return what the cases of `tasks`, which differ by their seeds alone, come to, as far as a screening covers them."""
-    meter = Meter()
-    with meter.of(START):
+    """Return what the cases of `tasks`, which differ by their seeds alone, come to where a screening covers them."""
+    first = Meter()
+    with first.of(START):
         batch = _batch_of(tasks[0])
-    return {
-        LIFTS: {
-            str(task.case.number): _screened(task, batch, meter if n == 0 else Meter()) for n, task in enumerate(tasks)
-        }
-    }
+    meters = [first, *(Meter() for _ in tasks[1:])]
+    lifts = {str(one.case.number): _screened(one, batch, meter) for one, meter in zip(tasks, meters, strict=True)}
+    return {LIFTS: lifts}
 
 
 def _batch_of(task: Task) -> LiftBatch | str:
@@ -51,7 +49,7 @@ def _screened(task: Task, batch: LiftBatch | str, meter: Meter) -> Plain:
     try:
         with meter.of(LOOP):
             flown: Flown = batch.fly(task.scenario.run.seed)
-    except NotCovered as error:
+    except NotCoveredError as error:
         return {FLAG: str(error)}
     if flown.flag:
         return {FLAG: flown.flag}
@@ -74,4 +72,5 @@ def screening_words(frame: pandas.DataFrame) -> str:
     why = frame.loc[~frame[SCREENED], FLAG].value_counts()
     reasons = ", ".join(f"{words} ({count})" for words, count in why.head(6).items())
     rest = f"; in the full loop: {reasons}" if len(why) else ""
-    return f"{number} of {len(frame)} cases were screened: the plant under a fixed law, without adviser, modes, gates{rest}"
+    how = "the plant under a fixed law, without adviser, modes, gates"
+    return f"{number} of {len(frame)} cases were screened: {how}{rest}"

@@ -9,7 +9,7 @@ A study is a YAML file:
     set: {winch_controller.law: mpc}  # for every case
     wanted: {unit_sigma_m: "<= 0.01"} # criteria, as in a scenario
     baseline: true                    # each case under law industrial as well
-    screening: true                   # where it covers a case, a fixed law instead of the full loop: see limits, extremes
+    screening: true                   # cases away from the winch's limits under a fixed law, not in the full loop
     adviser: false                    # cases run without it, in less time; heave run --replace winch_adviser=none
     vary:                             # every combination of what stands in the list ...
       - {system.sea.peak_period: [8, 10, 12]}
