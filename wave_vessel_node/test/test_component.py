@@ -5,11 +5,13 @@ import numpy as np
 import pytest
 from heave_node.numerics.linear_model import output_sigma, output_spectrum
 from heave_node.parameters import ParameterError, build_parameters, describe
-from wave_vessel_node.component import WaveVessel
+from wave_vessel_node.component import WaveVessel, boom_tip_heave
+from wave_vessel_node.mru.mru import MotionReferenceUnit
 from wave_vessel_node.parameters import (
     CourseParameters,
     DriftParameters,
     LaterSeaParameters,
+    MruParameters,
     VesselParameters,
     WaveVesselParameters,
 )
@@ -213,3 +215,25 @@ def _heave_spectrum(vessel):
 def test_a_later_sea_needs_a_sea():
     with pytest.raises(ValueError, match="later_sea needs a sea"):
         WaveVesselParameters(boom_tip_source="regular", later_sea=LaterSeaParameters(duration=10.0))
+
+
+@pytest.mark.parametrize("vessel", ["direct", "second_order", "rao"])
+def test_heave_by_one_sum_is_that_of_the_steps(vessel: str) -> None:
+    parameters = WaveVesselParameters(
+        components=60,
+        ramp=10.0,
+        vessel=VesselParameters(model=vessel, boom_tip_arm=(-20.0, 10.0, 15.0), pitch_gain=1.0),
+        mru=MruParameters(rate=10.0, latency=0.1, high_pass_period=20.0, resolution=0.01),
+    )
+    ticks = 700
+    heave = boom_tip_heave(parameters, 5, 0.05, ticks + 1)
+    assert heave is not None
+    ship, heaves, readings = WaveVessel(parameters, seed=5, tick_period=0.05), [], []
+    for tick in range(1, ticks + 1):
+        outputs = ship.step(tick)
+        heaves.append([outputs.boom_tip.position[2], outputs.boom_tip.velocity[2]])
+        said = outputs.mru
+        readings.append([math.nan, math.nan] if said is None else [said.heave, said.heave_rate])
+    np.testing.assert_allclose(heave[1:, :2], heaves, atol=1e-12)
+    series = MotionReferenceUnit(parameters.mru, seed=5, tick_period=0.05).series(heave)
+    np.testing.assert_allclose(series[:-1], readings, atol=1e-12)

@@ -73,7 +73,7 @@ class WaveVessel:
         self.parameters = parameters
         self._scene = build_scene(parameters, seed, tick_period)
         self.warnings = self._scene.warnings
-        waves: MotionSource = SOURCES[parameters.boom_tip_source].load()(self._scene)
+        waves = _waves_of(self._scene)
         self._source = _with_change_course_drift_and_ramp(waves, self._scene)
         self._lever = lever_arm_matrix(self._scene.boom_tip_arm)
         self._crane = self._build_crane()
@@ -173,7 +173,7 @@ class WaveVessel:
     def _build_preview(self) -> PreviewSource:
         """Let the same sea run once more, ahead of this one; sources are asked in the order of their ticks."""
         scene = build_scene(self.parameters, self._scene.seed, self._scene.tick_period)
-        ahead = _with_change_course_drift_and_ramp(SOURCES[self.parameters.boom_tip_source].load()(scene), scene)
+        ahead = _with_change_course_drift_and_ramp(_waves_of(scene), scene)
         ahead.motions(range(1, 2))
 
         def heave_at(ticks: range) -> Array:
@@ -202,13 +202,29 @@ class WaveVessel:
         )
 
 
+def boom_tip_heave(parameters: WaveVesselParameters, seed: int, tick_period: float, count: int) -> Array | None:
+    """Return heave, heave rate and acceleration of the boom tip at the first `count` ticks, shape (count, 3).
+
+    They are the vertical part of `WaveVessel.boom_tips` by one sum; None where the source has none, or with a crane.
+    """
+    scene = build_scene(parameters, seed, tick_period)
+    source = _with_change_course_drift_and_ramp(_waves_of(scene), scene)
+    heave = None if parameters.crane.is_fitted else source.point_heave(lever_arm_matrix(scene.boom_tip_arm)[2])
+    return None if heave is None else heave(range(1, count + 1))
+
+
+def _waves_of(scene: Scene) -> MotionSource:
+    source: MotionSource = SOURCES[scene.parameters.boom_tip_source].load()(scene)
+    return source
+
+
 def _with_change_course_drift_and_ramp(source: MotionSource, scene: Scene) -> MotionSource:
     """Return the motion of a source that goes over into a later sea, on its course, with slow drift, from rest."""
     parameters = scene.parameters
     later = parameters.later_sea
     if later.duration > 0.0:
         sea = replace(parameters, significant_wave_height=later.significant_wave_height, peak_period=later.peak_period)
-        then = SOURCES[parameters.boom_tip_source].load()(build_scene(sea, scene.seed + OTHER_WAVES, scene.tick_period))
+        then = _waves_of(build_scene(sea, scene.seed + OTHER_WAVES, scene.tick_period))
         source = ChangingSource(source, then, later.start, later.duration, scene.tick_period)
     if scene.spectrum is not None:
         source = CourseSource(source, scene.course)

@@ -25,6 +25,7 @@ from cable_sim_node.errors import (
     refuse_jump,
 )
 from cable_sim_node.line import layout as at
+from cable_sim_node.line.arrays import LineArrays
 from cable_sim_node.line.feed import set_top_segment
 from cable_sim_node.line.grid import build_line, settings_of, with_waves
 from cable_sim_node.line.observation import observe, snapshot
@@ -172,6 +173,12 @@ class CableDynamics:
     def time(self) -> float:
         """Simulated time [s]."""
         return float(self._line.numbers[at.NOW + at.TIME])
+
+    @property
+    def arrays(self) -> LineArrays:
+        """The line as the kernels take it, its present state looked at."""
+        self._observe()
+        return self._line
 
     @property
     def segments(self) -> int:

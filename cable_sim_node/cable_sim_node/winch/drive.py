@@ -162,10 +162,13 @@ def drifted(settings: DriveSettings, drift: WinchDriftParameters, time: float) -
 
 
 @njit(cache=True)
-def _speed_substep(
+def speed_step(
     u: float, v: float, demand: float, power_speed: float, settings: DriveSettings, decay: float, h: float
 ) -> tuple[float, float, int]:
-    """Return payout and rate after `h` seconds that follow a `demand` of speed [m/s], and the limits that acted."""
+    """Return payout and rate after `h` seconds that follow a `demand` of speed [m/s], and the limits that acted.
+
+    It is exact for any `h` where no limit acts; `decay` is e^(-h/T).
+    """
     limits = 0
     demand = settings.speed_gain * _beyond_deadband(demand, settings.deadband) + settings.creep
     hauling = settings.hauling_speed_share * settings.speed_limit
@@ -218,7 +221,7 @@ def advance_drum(
             next_u, next_v = _stop_substep(u, v, settings.stop_deceleration, h)
         elif mode == FOLLOW_SPEED:
             demand = rate_set + settings.position_gain * (payout_set - u - 0.5 * v * h)
-            next_u, next_v, acted = _speed_substep(u, v, demand, power_speed, settings, decay, h)
+            next_u, next_v, acted = speed_step(u, v, demand, power_speed, settings, decay, h)
             limits |= acted
         else:
             next_u, next_v, acted = _position_substep(

@@ -53,6 +53,7 @@ class Options:
     duration: float | None = None  # of a case, in the place of the file's [s]
     has_baseline: bool = False  # each case under the baseline law as well
     folder: Path | None = None  # of what the study leaves; None: one by its name
+    is_full: bool = False  # every case runs in the full loop
 
     @property
     def own_folder(self) -> Path:
@@ -109,6 +110,7 @@ def _cases(options: Options, path: Path | None) -> Opened:
         study,
         scenario=options.scenario or study.scenario,
         has_baseline=study.has_baseline or options.has_baseline,
+        has_screening=study.has_screening and not options.is_full,
     )
     asked = asked_of(study)
     lead = f"Scenario {study.scenario}" if path is None else description_of(path)

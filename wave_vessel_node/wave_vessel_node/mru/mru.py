@@ -114,6 +114,25 @@ class MotionReferenceUnit:
         self._settled = np.full(count, self._settled[-1])
         self._pass(0)
 
+    def series(self, heave: Array) -> Array:
+        """Return heave and heave rate as delivered at each tick of a run, shape (n, 2); NaN where nothing is.
+
+        They are those of `step` for a vessel that does not turn, without scheduled faults.
+
+        Parameters
+        ----------
+        heave : boom-tip heave about its mean, rate, acceleration at the ticks from the first one on, shape (n, 3)
+        """
+        p, ticks = self._parameters, np.arange(1, len(heave) + 1)
+        self.look(VesselMotions.still(range(1, len(heave) + 1), self._period), heave)
+        rows = np.flatnonzero((ticks % self._ticks_at(p.rate) == 0) & (ticks > self._late_ticks))
+        seen = self._seen[len(self._seen) - len(heave) :]
+        said = np.full((len(heave), 2), np.nan)
+        said[rows] = (seen[rows - self._late_ticks] + self._noise[rows])[:, :2]
+        for column, step in enumerate(self._steps[:2]):
+            said[:, column] = step * np.rint(said[:, column] / step) if step > 0.0 else said[:, column]
+        return said if p.measures_rate else said * [1.0, np.nan]
+
     def _wander(self, count: int) -> Array:
         """Return the error of the next `count` ticks [m]: a first-order Gauss-Markov process, stationary, exact."""
         sigma, decay = self._parameters.wander, math.exp(-self._period / self._parameters.wander_time)

@@ -7,6 +7,7 @@ spectrum, and as the frequencies have no common divisor the sea does not repeat.
 
 from __future__ import annotations
 
+from copy import copy
 from dataclasses import dataclass
 
 import numpy as np
@@ -146,6 +147,13 @@ class HarmonicSum:
         self._period = period
         turns = np.exp(1j * np.outer(np.arange(_BLOCK) * period, self._frequency)).T
         self._table = np.ascontiguousarray(turns.real), np.ascontiguousarray(turns.imag)
+
+    def combined(self, matrix: Array) -> HarmonicSum:
+        """Return the sum of which each output is a linear one of these: `matrix` of shape (its outputs, outputs)."""
+        other = copy(self)
+        real, imaginary = self._weights
+        other._weights = np.ascontiguousarray(matrix @ real), np.ascontiguousarray(matrix @ imaginary)
+        return other
 
     def at(self, ticks: range) -> Array:
         """Return value, rate and acceleration at the times of `ticks`, shape (ticks, 3, outputs)."""

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 from heave_node.interface.waves import Waves
+from heave_node.numerics.arrays import Array
 
 from wave_vessel_node.sea.realisation import HarmonicSum, WaveComponents
 from wave_vessel_node.sources.motion_source import MotionSource
@@ -57,6 +60,12 @@ class SecondOrderSource(MotionSource):
         if self._has_pitch:
             motions.six[:, :, PITCH] = values[:, :, 2]
         return motions
+
+    def point_heave(self, lever: Array) -> Callable[[range], Array]:
+        """See MotionSource."""
+        row = [0.0, lever[HEAVE], lever[PITCH]]
+        one = self._sum.combined(np.array([row[: 2 + self._has_pitch]]))
+        return lambda ticks: one.at(ticks)[:, :, 0]
 
     def waves(self) -> Waves:
         """See MotionSource."""

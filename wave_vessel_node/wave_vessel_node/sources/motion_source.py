@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import math
 from abc import ABC, abstractmethod
+from collections.abc import Callable
 
 from heave_node.interface.waves import NO_WAVES, Waves
+from heave_node.numerics.arrays import Array
 
 from wave_vessel_node.vessel.motion import VesselMotions
 
@@ -31,6 +33,18 @@ class MotionSource(ABC):
     def nominal_sea(self) -> tuple[float, float]:
         """Return height [m] and period [s] that describe the sea of a source without a spectrum; NaN: not known."""
         return math.nan, math.nan
+
+    def point_heave(self, lever: Array) -> Callable[[range], Array] | None:
+        """Return the vertical motion of a point by ticks, quicker than by `motions`; None where it is not known so.
+
+        It is displacement, rate and acceleration [m], [m/s], [m/s^2], shape (n, 3).
+
+        Parameters
+        ----------
+        lever : row z of `lever_arm_matrix` of the point, shape (6,)
+        """
+        del lever
+        return None
 
     def waves(self) -> Waves:
         """Return the components of the sea about the boom tip; none where it has none, or none that last."""

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import cached_property
 from itertools import takewhile
 
 import numpy as np
@@ -14,7 +16,7 @@ from wave_vessel_node.sea.realisation import HarmonicSum, WaveComponents
 from wave_vessel_node.sources.motion_source import MotionSource
 from wave_vessel_node.vessel.course import Course, Leg
 from wave_vessel_node.vessel.motion import VesselMotions
-from wave_vessel_node.vessel.rao import ResponseTable
+from wave_vessel_node.vessel.rao import ResponseTable, SampledResponse, speed_weights
 
 _AT_ONCE = 4
 """Ticks of a manoeuvre that are computed at once: each takes half a millisecond, and a run in real time waits."""
@@ -43,11 +45,16 @@ class RaoSource(MotionSource):
         self._components = components
         self._course = course
         self._arm = arm
-        self._response = table.sampled(components.frequency)
+        self._table = table
         self._tick_period = tick_period
         self._legs = [self._leg_sum(leg) for leg in course.legs]
         if len(course.legs) > 1:
             self._sum_at(0.0)  # compiles now what a tick should not wait for
+
+    @cached_property
+    def _response(self) -> SampledResponse:
+        """The table at the frequencies of the sea, for many headings and speeds."""
+        return self._table.sampled(self._components.frequency)
 
     def motions(self, ticks: range) -> VesselMotions:
         """See MotionSource: those of one leg, or a few of a manoeuvre."""
@@ -62,6 +69,13 @@ class RaoSource(MotionSource):
             values = self._legs[leg].at(ticks)
         motions.six, motions.elevation = values[:, :, :6], values[:, 0, 6]
         return motions
+
+    def point_heave(self, lever: Array) -> Callable[[range], Array] | None:
+        """See MotionSource: while heading and speed hold for the whole run."""
+        if len(self._legs) > 1:
+            return None
+        one = self._legs[0].combined(np.append(lever, 0.0)[None])
+        return lambda ticks: one.at(ticks)[:, :, 0]
 
     def waves(self) -> Waves:
         """See MotionSource: as met at the boom tip, while heading and speed hold for the whole run."""
@@ -78,7 +92,9 @@ class RaoSource(MotionSource):
         encounter, phase = self._met_on(leg)
         phasor = sea.amplitude * np.exp(1j * phase)
         heading = self._course.heading(at)
-        response = self._response.at(sea.direction - heading, self._course.speed(at))
+        relative, speed = sea.direction - heading, self._course.speed(at)
+        one_leg = len(self._course.legs) == 1
+        response = self._table.at(sea.frequency, relative, speed) if one_leg else self._response.at(relative, speed)
         rows = np.vstack((response, np.exp(-1j * self._arm_lag(heading))))
         return HarmonicSum(encounter, phasor * rows, self._tick_period)
 
@@ -105,7 +121,7 @@ class RaoSource(MotionSource):
     def _sum_at(self, time: float) -> Array:
         sea = self._components
         x, y = self._course.place(time)
-        weights = self._response.speed_weights(self._course.speed(time))
+        weights = speed_weights(self._response.speed, self._course.speed(time))
         out = np.zeros(7)
         waves = (sea.frequency, sea.amplitude, sea.phase, sea.direction)
         pose = (float(x), float(y), self._course.heading(time))

@@ -7,7 +7,7 @@ head sea. Axes and signs: see `motion`.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -78,8 +78,26 @@ class ResponseTable:
         heading : of the waves relative to the bow [rad], one or shape (n,)
         speed : forward speed [m/s]
         """
-        frequency = np.atleast_1d(np.asarray(frequency, dtype=float))
-        return self.sampled(frequency).at(np.broadcast_to(np.asarray(heading, dtype=float), frequency.shape), speed)
+        frequency, heading = np.atleast_1d(np.asarray(frequency, dtype=float)), np.asarray(heading, dtype=float)
+        if heading.size and (heading == heading.flat[0]).all():
+            return self._at_one(frequency, float(heading.flat[0]), speed)
+        return self.sampled(frequency).at(np.broadcast_to(heading, frequency.shape), speed)
+
+    def _at_one(self, frequency: Array, heading: float, speed: float) -> ComplexArray:
+        """Return `at` for all frequencies from one `heading`: the spline in heading is then one weight for each."""
+        knots = self._headings()
+        unit = np.eye(len(knots))
+        unit[-1] = unit[0] = unit[0] + unit[-1]  # the first heading is the last one too
+        spline = scipy.interpolate.CubicSpline(knots, unit, axis=0, bc_type="periodic")
+        by_heading = spline(np.mod(heading, 2.0 * np.pi))
+        by_heading[-1] = 0.0
+        by_speed = speed_weights(self.speed, speed)
+        counts = np.flatnonzero(by_speed)
+        found = self._in_frequency(frequency, self.response[counts])
+        parts = [
+            share * np.einsum("h,hdn->dn", by_heading, one) for share, one in zip(by_speed[counts], found, strict=True)
+        ]
+        return np.asarray(sum(parts))
 
     def sampled(self, frequency: Array) -> SampledResponse:
         """Return the table at given wave frequencies, for many headings and speeds.
@@ -91,15 +109,19 @@ class ResponseTable:
         Splines in frequency (`between`) and heading. Above the highest frequency a motion falls as 1/omega^4; below the
         lowest it is held.
         """
-        inside = np.clip(frequency, self.frequency[0], self.frequency[-1])
-        tail = above_the_table(frequency, self.frequency[-1])
         headings = self._headings()
         coefficients = []
-        for response in self.response:
-            in_frequency = between(self.frequency, self._all_round(response), inside)
-            spline = scipy.interpolate.CubicSpline(headings, in_frequency * tail, axis=0, bc_type="periodic")
+        for response in self._in_frequency(frequency, self.response):
+            spline = scipy.interpolate.CubicSpline(headings, response, axis=0, bc_type="periodic")
             coefficients.append(np.ascontiguousarray(spline.c.transpose(3, 1, 2, 0)))  # (n, cell, 6, 4)
         return SampledResponse(self.speed, headings, np.array(coefficients))
+
+    def _in_frequency(self, frequency: Array, responses: ComplexArray) -> Iterator[ComplexArray]:
+        """Yield each of the `responses` (s, h, 6, f) all headings round at a `frequency` (n,), (headings, 6, n)."""
+        inside = np.clip(frequency, self.frequency[0], self.frequency[-1])
+        tail = above_the_table(frequency, self.frequency[-1])
+        for response in responses:
+            yield between(self.frequency, self._all_round(response), inside) * tail
 
     def _is_half(self) -> bool:
         return bool(self.heading[-1] <= np.pi + 1e-3)
@@ -129,27 +151,30 @@ class SampledResponse:
     knots: Array  # headings all the way round, 0 to 2 pi [rad]
     coefficients: ComplexArray  # shape (s, n, cells, 6, 4), highest power first
 
-    def speed_weights(self, speed: float) -> Array:
-        """Return what each speed of the table counts for at `speed`, shape (s,): a cubic with continuous slope."""
-        count = self.speed.size
-        if count == 1:
-            return np.ones(1)
-        speed = float(np.clip(speed, self.speed[0], self.speed[-1]))
-        upper = int(np.clip(np.searchsorted(self.speed, speed), 1, count - 1))
-        h = self.speed[upper] - self.speed[upper - 1]
-        x = (speed - self.speed[upper - 1]) / h
-        unit = np.eye(count)
-        slope = np.gradient(unit, self.speed, axis=0)
-        weights = (1.0 - x) ** 2 * ((1.0 + 2.0 * x) * unit[upper - 1] + x * h * slope[upper - 1])
-        return np.asarray(weights + x**2 * ((3.0 - 2.0 * x) * unit[upper] + (x - 1.0) * h * slope[upper]))
-
     def at(self, heading: Array, speed: float) -> ComplexArray:
         """Return H, shape (6, n), at the `speed` [m/s], with one relative `heading` [rad] for each frequency."""
         angle = np.mod(heading, 2.0 * np.pi)
         cell = np.clip(np.searchsorted(self.knots, angle, side="right") - 1, 0, self.knots.size - 2)
         powers = (angle - self.knots[cell])[:, None] ** np.arange(3, -1, -1)
-        chosen = np.tensordot(self.speed_weights(speed), self.coefficients[:, np.arange(angle.size), cell], axes=1)
+        chosen = np.tensordot(
+            speed_weights(self.speed, speed), self.coefficients[:, np.arange(angle.size), cell], axes=1
+        )
         return np.asarray(np.einsum("ndp,np->dn", chosen, powers))
+
+
+def speed_weights(speeds: Array, speed: float) -> Array:
+    """Return what each of the `speeds` of a table counts for at a `speed`, shape (s,): a cubic of continuous slope."""
+    count = speeds.size
+    if count == 1:
+        return np.ones(1)
+    speed = float(np.clip(speed, speeds[0], speeds[-1]))
+    upper = int(np.clip(np.searchsorted(speeds, speed), 1, count - 1))
+    h = speeds[upper] - speeds[upper - 1]
+    x = (speed - speeds[upper - 1]) / h
+    unit = np.eye(count)
+    slope = np.gradient(unit, speeds, axis=0)
+    weights = (1.0 - x) ** 2 * ((1.0 + 2.0 * x) * unit[upper - 1] + x * h * slope[upper - 1])
+    return np.asarray(weights + x**2 * ((3.0 - 2.0 * x) * unit[upper] + (x - 1.0) * h * slope[upper]))
 
 
 def between(omega: Array, response: ComplexArray, fine: Array) -> ComplexArray:

@@ -79,13 +79,14 @@ def sensor_periods(design: ControllerDesign) -> dict[str, tuple[int, int]]:
 
 
 @dataclass(frozen=True)
-class _FilterModel:
+class FilterModel:
     """The model with past values of late measurements as states, and the rows measured at each tick of the pattern."""
 
     A: Array
     Q: Array
     rows: list[Array]
     variances: list[Array]
+    names: list[list[str]]  # of the measurements of the rows
 
 
 def error_covariances(design: ControllerDesign) -> ErrorCovariances:
@@ -96,16 +97,16 @@ def error_covariances(design: ControllerDesign) -> ErrorCovariances:
     Raises DesignError where it does not settle.
     """
     model = design.model
-    filter_model = _filter_model(design)
-    n = len(filter_model.A)
+    past = filter_model(design)
+    n = len(past.A)
     P = np.zeros((n, n))
     P[: model.order, : model.order] = design.initial_covariance
-    pattern = len(filter_model.rows)
+    pattern = len(past.rows)
     previous = np.inf
     for _ in range(0, PERIODS_TO_SETTLE, pattern):
         pairs = []
-        for rows, variances in zip(filter_model.rows, filter_model.variances, strict=True):
-            prior = predicted_covariance(P, filter_model.A, filter_model.Q)
+        for rows, variances in zip(past.rows, past.variances, strict=True):
+            prior = predicted_covariance(P, past.A, past.Q)
             P = _corrected(prior, rows, variances)
             pairs.append((prior[: model.order, : model.order], P[: model.order, : model.order]))
         level = _seen(design.model, P)
@@ -131,7 +132,8 @@ def _corrected(P: Array, rows: Array, variances: Array) -> Array:
     return corrected_covariance(P, filter_gain(P, rows, variances), rows, variances) if len(rows) else P
 
 
-def _filter_model(design: ControllerDesign, *, every_tick: bool = False) -> _FilterModel:
+def filter_model(design: ControllerDesign, *, every_tick: bool = False) -> FilterModel:
+    """Return the filter of a `design` as the pattern of its sensors repeats; `every_tick`: all of them at the tick."""
     model = design.model
     periods = sensor_periods(design)
     known = [m for m in design.measurements if np.any(m.row)]
@@ -152,11 +154,12 @@ def _filter_model(design: ControllerDesign, *, every_tick: bool = False) -> _Fil
     by_tick = [
         [(r, m) for r, m in padded if every_tick or tick % periods[m.sensor][0] == 0] for tick in range(1, pattern + 1)
     ]
-    return _FilterModel(
+    return FilterModel(
         np.ascontiguousarray(A),
         np.ascontiguousarray(Q),
         [np.array([row for row, _ in due]).reshape(-1, n) for due in by_tick],
         [np.array([m.sigma**2 for _, m in due]) for due in by_tick],
+        [[m.name for _, m in due] for due in by_tick],
     )
 
 
@@ -194,7 +197,7 @@ def equivalent_filter(design: ControllerDesign) -> EquivalentFilter:
     They tell as much per second.
     """
     periods = sensor_periods(design)
-    model = _filter_model(design, every_tick=True)
+    model = filter_model(design, every_tick=True)
     n = design.model.order
     P = np.zeros_like(model.A)
     P[:n, :n] = design.initial_covariance

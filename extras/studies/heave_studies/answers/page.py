@@ -14,9 +14,10 @@ from heave_node.parameters import describe
 from heave_node.system_parameters import SYSTEM, own_name
 
 from heave_studies.answers.answer import Found
+from heave_studies.batch.screening import screening_words
 from heave_studies.study.case_file import CASE
 from heave_studies.study.cost import HEAD, cost_rows
-from heave_studies.study.table import LOST, MISSED, REASON, SEED, settings_of
+from heave_studies.study.table import LOST, MISSED, REASON, SCREENED, SEED, settings_of
 from heave_studies.study.workers import FAILURE
 
 FOOTER = "For a PDF, print this page."
@@ -41,7 +42,9 @@ def render(
     whence = f"<details><summary>Where these numbers come from</summary>{facts}</details>"
     cost = cost_rows(table_file.parent)
     what = f"<details><summary>What a case costs</summary>{table(HEAD, cost, texts=1)}</details>" if cost else ""
-    body = [*head, *_verdict(found), *found.body, _cases(frame, table_file), what, whence]
+    screened = screening_words(frame)
+    note = [notice(html.escape(screened))] if screened else []
+    body = [*head, *_verdict(found), *note, *found.body, _cases(frame, table_file), what, whence]
     return render_page(title, "\n".join(body), list(found.figures), footer=f"{found.footer} {FOOTER}".strip())
 
 
@@ -65,7 +68,7 @@ def _cases(frame: pandas.DataFrame, file: Path) -> str:
     head = ["case", "seed", *named, "load heave, rms [cm]", "winch locked, rms [cm]", "remark"]
     rows = []
     for row in frame.head(MOST_CASES).to_dict("records"):
-        lost = f"lost: {row[REASON]}" if row[LOST] else row[MISSED]
+        lost = f"lost: {row[REASON]}" if row[LOST] else row[MISSED] or ("screened" if row.get(SCREENED) else "")
         remark = f"failed: {row[FAILURE]}" if row[FAILURE] else lost
         values = [f"{row[one]:.4g}" if isinstance(row[one], float) else str(row[one]) for one in places]
         figures = [f"{100 * row[key]:.2f}" for key in ("unit_sigma_m", "uncompensated_sigma_m")]

@@ -66,6 +66,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--forecast", metavar="FILE", help="the seas to come (time, hs, tp): when the lift can go")
     parser.add_argument("--baseline", action="store_true", help=f"also show {SAME_SEA}; each case is then run twice")
+    parser.add_argument("--full", action="store_true", help="run every case in the full loop, where a study screens")
     parser.add_argument(
         "--output",
         type=Path,
@@ -99,6 +100,7 @@ def _run(options: argparse.Namespace) -> None:
     from heave_bringup.output import make_table, write_result
 
     from heave_studies.answers.page import render
+    from heave_studies.batch.screening import screening_words
     from heave_studies.kinds import Options, open_study
     from heave_studies.study.cost import HEAD, cost_rows
     from heave_studies.study.engine import CSV, PAGE, PDF, TABLE, run_study
@@ -122,6 +124,7 @@ def _run(options: argparse.Namespace) -> None:
             options.duration,
             options.baseline,
             options.output,
+            options.full,
         )
     )
     if options.check:
@@ -139,10 +142,11 @@ def _run(options: argparse.Namespace) -> None:
     names = (("table", TABLE), ("csv", CSV), ("page", PAGE), *([("pdf", PDF)] if options.pdf else []))
     files = {name: str(folder / file) for name, file in names}
     places = "\n".join(f"{name:<9} {path}" for name, path in files.items())
-    cost = cost_rows(folder)
+    cost, screened = cost_rows(folder), screening_words(frame)
     result = {"study": opened.kind.name, **found.data, "judged": found.judged, **files}
+    result["screening"] = screened
     result["cost_s"] = {name: float(seconds) for name, seconds, _ in cost}
-    parts = [*found.parts, *([make_table(HEAD, cost)] if cost else []), places]
+    parts = [*found.parts, *([screened] if screened else []), *([make_table(HEAD, cost)] if cost else []), places]
     write_result(options, parts, result)
     if not found.judged:
         raise CommandError(f"nothing was judged in {len(frame)} cases{_why(frame)}")

@@ -14,6 +14,7 @@ from heave_bringup.scenarios import named_files
 from heave_node.numerics.arrays import Array
 from heave_node.parameters import ParameterError
 
+from heave_studies.batch.screening import screened_results, screening_jobs
 from heave_studies.study import search
 from heave_studies.study.kept_files import KeptFile, keep_files
 from heave_studies.study.plan import Case, Study, unlinked
@@ -59,7 +60,9 @@ class Cases:
     def identity(self) -> str:
         """What identifies the results: every value of every case, and the files that they read."""
         of = self.study
-        digest = hashlib.sha256(repr((of.search, of.draws, of.refinement, of.has_baseline, of.has_adviser)).encode())
+        digest = hashlib.sha256(
+            repr((of.search, of.draws, of.refinement, of.has_baseline, of.has_adviser, of.has_screening)).encode()
+        )
         for task in self._first:
             digest.update(task.values.encode())
         for file in self.files.values():
@@ -72,7 +75,10 @@ class Cases:
         if self.study.search is None:
             new = self._tasks
             while new:
-                yield [_job(task) for task in new]
+                if self.study.has_screening:
+                    yield list(screening_jobs(new))
+                known = screened_results(results)
+                yield [_job(task) for task in new if task.case.number not in known]
                 new = self._refined(results)
                 self._tasks = [*self._tasks, *new]
             return
@@ -103,7 +109,8 @@ class Cases:
 
     def frame(self, results: Mapping[int, Plain]) -> pandas.DataFrame:
         """Return a row for each case, from their `results`."""
-        found = [result_of(task.case, results[task.case.number]) for task in self._tasks]
+        known = screened_results(results)
+        found = [result_of(task.case, known[task.case.number]) for task in self._tasks]
         return case_frame(self._tasks, found, self.files)
 
 

@@ -90,6 +90,7 @@ class Study:
     has_nominal: bool = False  # whether the scenario itself runs before the draws
     has_baseline: bool = False  # whether each case runs under the baseline law as well
     has_adviser: bool = True  # whether the adviser takes part
+    has_screening: bool = False  # whether cases that a screening covers are screened, see `heave_studies.batch`
     search: Search | None = None  # for the worst case; None: cases are as stated
     refinement: Refinement | None = None  # adds cases round by round; None: cases are as stated
     ask: Mapping[str, object] = field(default_factory=dict)  # what is made of the cases: `answer`, and its own keys

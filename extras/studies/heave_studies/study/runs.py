@@ -96,6 +96,8 @@ class CaseResult:
     breaches: tuple[str, ...] = ()
     minute: Minute = NO_MINUTE  # the worst minute that no alarm announced
     cost: Mapping[str, float] = field(default_factory=dict)  # processor time by part [s]
+    is_screened: bool = False  # it is of a batch of lifts under a fixed law, see `heave_studies.batch`
+    flag: str = ""  # why no screening could have it, where one was asked for
 
     @property
     def is_lost(self) -> bool:
@@ -150,31 +152,45 @@ def _scenario(study: Study, case: Case, loaded: dict[str, Scenario]) -> Scenario
 
 def run_task(task: Task) -> CaseResult:
     """Run the case of a `task`; one that cannot be run says why, and harms no other."""
-    case, scenario, meter = task.case, task.scenario, Meter()
+    meter = Meter()
     try:
         with meter.of(START):
-            parameters = loop_parameters(scenario)
-            loop = ClosedLoop(parameters, has_adviser=task.has_adviser)
+            loop = ClosedLoop(loop_parameters(task.scenario), has_adviser=task.has_adviser)
         meter.watch(loop)
         with meter.of(LOOP):
             record = loop.run()
-        with meter.of(JUDGE):
-            signals = run_signals(record, parameters)
-            _add_bounds(signals, record, scenario)
-            unknown = _add_baseline(signals, task) if task.has_baseline else ""
-            kpis = kpi_set.evaluate_run(signals, scenario.run.transient, scenario.run.duration)
-            minute = silent_minute(record, signals, scenario.run.transient)
+        return judge(task, record, loop.plant.largest_strain, meter)
     except Exception as error:  # one case that cannot be run must not end the others; it is named in the table
-        return CaseResult(case, failure=_in_a_line(error))
+        return CaseResult(task.case, failure=in_a_line(error))
+
+
+def judge(task: Task, record: LoopRecord, strain: float, meter: Meter) -> CaseResult:
+    """Return what the case of a `task` came to.
+
+    Parameters
+    ----------
+    task : that was run
+    record : of its run
+    strain : largest of the cable [-]
+    meter : of its cost
+    """
+    case, scenario, parameters = task.case, task.scenario, loop_parameters(task.scenario)
+    with meter.of(JUDGE):
+        signals = run_signals(record, parameters)
+        _add_bounds(signals, record, scenario)
+        unknown = _add_baseline(signals, task) if task.has_baseline else ""
+        kpis = kpi_set.evaluate_run(signals, scenario.run.transient, scenario.run.duration)
+        minute = silent_minute(record, signals, scenario.run.transient)
     share = _compensating(record, scenario)
     judged = tuple(Judged(criterion, kpis[criterion.kpi]) for criterion in scenario.wanted)
-    modes, strain = _time_in_modes(record, scenario), loop.plant.largest_strain
+    modes = _time_in_modes(record, scenario)
     verdict = Verdict(judged, (), modes, share, strain=strain, loads=signals.load_checks())
     reason, (failures, breaches) = lost_because(record, scenario, kpis), (verdict.failures, verdict.breaches)
     return CaseResult(case, kpis, "", share, reason, tuple(failures), unknown, tuple(breaches), minute, meter.seconds)
 
 
-def _in_a_line(error: Exception) -> str:
+def in_a_line(error: Exception) -> str:
+    """Return what an `error` says, in one line."""
     return " ".join(str(error).split()) or type(error).__name__
 
 
@@ -203,7 +219,7 @@ def _add_baseline(signals: RunSignals, task: Task) -> str:
     try:
         signals.baseline = signals if task.is_baseline else baseline_signals(task.scenario)
     except Exception as error:  # a baseline that cannot be run must not end its case
-        return _in_a_line(error)
+        return in_a_line(error)
     return ""
 
 

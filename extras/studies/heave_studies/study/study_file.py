@@ -9,6 +9,7 @@ A study is a YAML file:
     set: {winch_controller.law: mpc}  # for every case
     wanted: {unit_sigma_m: "<= 0.01"} # criteria, as in a scenario
     baseline: true                    # each case under law industrial as well
+    screening: true                   # cases away from the winch's limits under a fixed law, not in the full loop
     adviser: false                    # cases run without it, in less time; heave run --replace winch_adviser=none
     vary:                             # every combination of what stands in the list ...
       - {system.sea.peak_period: [8, 10, 12]}
@@ -64,6 +65,7 @@ KEYS = {
     "wanted",
     "baseline",
     "adviser",
+    "screening",
     "vary",
     "draw",
     "search",
@@ -106,6 +108,7 @@ def read_study(path: Path) -> Study:
             has_nominal=bool(draw.get("nominal", False)),
             has_baseline=bool(content.get("baseline", False)),
             has_adviser=bool(content.get("adviser", True)),
+            has_screening=bool(content.get("screening", False)),
             search=_search(search) if search else None,
             refinement=read_until(until, f"{path}: until") if until else None,
             ask=dict(part("ask")),

@@ -19,7 +19,8 @@ from heave_studies.study.workers import FAILURE
 SEED, NOMINAL = "seed", "nominal"
 LOST, REASON, MET, MISSED, SHARE = "lost", "reason", "met", "missed", "compensating_share"
 BASELINE_UNKNOWN, BREACHES = "baseline_unknown", "breaches"
-OUTCOME = (FAILURE, LOST, REASON, MET, MISSED, BREACHES, SHARE, BASELINE_UNKNOWN)
+SCREENED, FLAG = "screened", "flag"
+OUTCOME = (FAILURE, LOST, REASON, MET, MISSED, BREACHES, SHARE, BASELINE_UNKNOWN, SCREENED, FLAG)
 """Columns with what became of a case, before its figures of merit."""
 
 SILENT, SILENT_START = "silent_minute", "silent_minute_start_s"
@@ -101,6 +102,8 @@ def _row(task: Task, result: CaseResult, files: Mapping[str, KeptFile]) -> dict[
         BREACHES: "; ".join(result.breaches),
         SHARE: share,
         BASELINE_UNKNOWN: result.baseline_unknown,
+        SCREENED: result.is_screened,
+        FLAG: result.flag,
         SILENT: result.minute.ratio,
         SILENT_START: result.minute.start,
         **result.kpis,
