@@ -153,3 +153,19 @@ def test_endpoints_match_by_type_name(reach, version):
         for entry in root.iter(f"{namespace}property")
     }
     assert properties == {"fastdds.type_propagation": "disabled"}
+
+
+def test_without_a_home_ros_keeps_its_logs_below_the_temporary_folder(environment, tmp_path):
+    """As in a container with a read-only root: rcl would refuse to start, for it cannot make ~/.ros/log."""
+    environment |= {"HOME": "/proc/nohome", "TMPDIR": str(tmp_path)}
+    prepare_environment()
+    assert environment["ROS_LOG_DIR"].endswith(f"heave-ros-log-{os.getuid()}")
+    environment["ROS_LOG_DIR"] = "/of/the/user"
+    prepare_environment()
+    assert environment["ROS_LOG_DIR"] == "/of/the/user"
+
+
+def test_with_a_home_the_logs_stay_where_ros_has_them(environment, tmp_path):
+    environment["HOME"] = str(tmp_path)
+    prepare_environment()
+    assert "ROS_LOG_DIR" not in environment

@@ -140,6 +140,11 @@ def test_a_clock_of_the_devices_own_and_its_values_for_not_available_are_those_o
     sea = imported(tmp_path, text, mapping, "mru.log")
     assert sea.start == pytest.approx(BEGUN.timestamp(), abs=1e-3)
     assert_is_the_sine(sea)
+    with pytest.raises(BagError, match=r"device_time = 1.7\d*e\+12 s, at most .* check its unit"):
+        imported(tmp_path, text, mapping.replace(", unit: ms", ""), "mru.log")
+    with pytest.raises(BagError, match=r"\d wrong checksums: check the map's"):
+        wrong = mapping.replace("pattern: 'T", "checksum: xor\npattern: '(?P<checksum>T)")
+        imported(tmp_path, text, wrong, "mru.log")
 
 
 def test_a_log_of_datagrams_is_read_by_their_layout_and_their_counter_that_wraps(tmp_path):

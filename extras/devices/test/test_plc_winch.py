@@ -225,6 +225,8 @@ def test_a_move_of_millimetres_shows_a_wrong_sign_and_stops_at_a_wrong_scale(cha
         except CommandError as error:
             found = str(error)
     assert words in found if words else found == "", found
+    if not found:
+        assert ("reset", False) in [(verdict.what, verdict.is_tried) for verdict in verdicts], "the drive was sound"
     assert plc.drum()["fastest"] < 0.12, "2 d / T is 0.01 m/s, and ten times as much is stopped at once"
 
 

@@ -12,7 +12,17 @@ from heave_node.parameters import ParameterError
 from heave_devices.adapt.device import LiveDevice
 from heave_devices.adapt.report import stale_words
 from heave_devices.live.adapter import WINCH_STATE
-from heave_devices.live.wiggle import DURATION, LARGEST, LEAST, Reading, Verdict, is_too_far, judge, move_at
+from heave_devices.live.wiggle import (
+    DURATION,
+    LARGEST,
+    LEAST,
+    Reading,
+    Verdict,
+    is_too_far,
+    judge,
+    move_at,
+    reset_verdict,
+)
 from heave_devices.live.winch_handshake import WinchOrder
 from heave_devices.maps.device_map import DeviceMap
 
@@ -53,12 +63,16 @@ class Wiggle:
         """
         try:
             self._until(lambda: math.isfinite(self._payout), brake=True)
+            was_tripped = bool(self._device.adapter.newest.get("fault", 0.0))
             self._until(lambda: not self._device.is_held, brake=True, is_release=True)
             self._move()
         finally:
             self._command(0.0, 0.0, brake=True)
             self._spin(2.0 * _PERIOD)
-        return judge(self._readings, self._distance)
+        command = self._device.device.command
+        resets = command is not None and any(order.quantity == "reset" for order in command.orders)
+        reset = [reset_verdict(was_tripped=was_tripped)] if resets else []
+        return judge(self._readings, self._distance) + reset
 
     @property
     def _payout(self) -> float:

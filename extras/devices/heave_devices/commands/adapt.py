@@ -14,6 +14,7 @@ from heave_node.parameters import ParameterError
 
 if TYPE_CHECKING:
     from heave_devices.adapt.session import Session
+    from heave_devices.live.wiggle import Verdict
     from heave_devices.maps.device_map import DeviceMap
 
 SUMMARY = "Connect a third-party sensor or winch using a mapping file: serial, UDP, TCP, Modbus/TCP, OPC UA, ROS."
@@ -110,13 +111,20 @@ def _wiggle(options: argparse.Namespace, session: Session) -> None:
     from heave_bringup.output import make_table, write_result
 
     found = session.wiggle(1e-3 * options.wiggle)
-    rows = [[verdict.what, "ok" if verdict.is_good else "WRONG", verdict.words] for verdict in found]
+    rows = [[verdict.what, _judgement(verdict), verdict.words] for verdict in found]
     titles = ("quantity", "verdict", "found")
     write_result(options, make_table(titles, rows, texts=titles), [verdict._asdict() for verdict in found])
     wrong = [verdict.what for verdict in found if not verdict.is_good]
     if wrong:
         raise CommandError(f"{session.devices[0].device.name}: {', '.join(wrong)}: not as the map says")
-    sys.stderr.write("The drum must have paid out first, then hauled in: look. If not, both signs are reversed.\n")
+    sys.stderr.write(
+        "The drum must have paid out first, then hauled in: look, for its readings cannot show it. "
+        "If not, both signs are reversed.\n"
+    )
+
+
+def _judgement(verdict: Verdict) -> str:
+    return ("ok" if verdict.is_good else "WRONG") if verdict.is_tried else "not tried"
 
 
 def _from(device: DeviceMap) -> str:

@@ -39,6 +39,7 @@ class Verdict(NamedTuple):
     what: str  # what was looked at
     is_good: bool  # whether it is right
     words: str  # what was found
+    is_tried: bool = True  # False: it could not be looked at
 
 
 def move_at(time: float, distance: float) -> tuple[float, float]:
@@ -88,6 +89,13 @@ def judge(readings: Sequence[Reading], distance: float) -> list[Verdict]:
         by_rate = sum(0.5 * (a.payout_rate + b.payout_rate) * (b.time - a.time) for a, b in steps)
         verdicts.append(_compare("payout rate, out", by_rate, out if verdicts[0].is_good else distance))
     return verdicts
+
+
+def reset_verdict(*, was_tripped: bool) -> Verdict:
+    """Return what a wiggle shows of the order that resets the drive, which `was_tripped` when it began, or not."""
+    if was_tripped:
+        return Verdict("reset", True, "the drive had tripped, and was reset")
+    return Verdict("reset", True, "the drive had not tripped. Trip it, and repeat", is_tried=False)
 
 
 def _place(readings: Sequence[Reading], end: float) -> float:

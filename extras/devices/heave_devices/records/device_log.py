@@ -18,6 +18,7 @@ from heave_devices.formats.sample import Counters, Decoder, Sample
 from heave_devices.formats.table import FORMATS, LINE
 from heave_devices.maps.channel import Channel
 from heave_devices.maps.device_map import DeviceMap
+from heave_devices.maps.quantities import QUANTITIES
 from heave_devices.records.sample_checks import Findings
 from heave_devices.records.ship_time import TimeError, time_of_texts
 
@@ -142,10 +143,20 @@ def _times(source: Path, device: DeviceMap, record: _Record, places: Sequence[in
         return np.interp([record.lines[place] for place in places], at, [record.times[index] for index in zda])
     if device.record.sample_rate > 0.0:
         return np.arange(len(places)) / device.record.sample_rate
-    raise BagError(
-        f"{source}: has no time: its sentences have none, no stamp stands before them, and there is no ZDA: give "
-        "sample_rate in the map, in samples per second"
-    )
+    raise BagError(f"{source}: has no time: {_why_no_time(device, record)}")
+
+
+def _why_no_time(device: DeviceMap, record: _Record) -> str:
+    """Return in words why the samples of a log have no time, and what to do."""
+    channel = device.channels.get("device_time")
+    given = [] if channel is None else [s.values[channel.field] for s in record.samples if channel.field in s.values]
+    if channel is None or not given:
+        return (
+            "its sentences have none, no stamp stands before them, and there is no ZDA: give sample_rate in the map, "
+            "in samples per second"
+        )
+    seconds, largest = channel.factor("device_time") * given[0], QUANTITIES["device_time"].largest
+    return f"device_time = {seconds:.4g} s, at most {largest:.4g} can be: check its unit and scale in the map"
 
 
 def _note_counters(counters: Counters, findings: Findings) -> None:

@@ -8,8 +8,10 @@ host as a static peer. So the transport is set by a profile of Fast DDS, and the
 
 from __future__ import annotations
 
+import contextlib
 import os
 import sys
+import tempfile
 from importlib import resources
 from pathlib import Path
 
@@ -40,6 +42,7 @@ def prepare_environment() -> str:
     """
     check_memory()
     os.environ.setdefault("AMENT_PREFIX_PATH", sys.prefix)
+    _provide_logs()
     foreign = _foreign_transport()
     if foreign:
         os.environ.setdefault(RANGE, "LOCALHOST")
@@ -57,6 +60,19 @@ def prepare_environment() -> str:
             f"{STATIC_PEERS} is ignored: this run is confined to this machine; open it with --network or {RANGE}=SUBNET"
         )
     return ""
+
+
+def _provide_logs() -> None:
+    """Let ROS write its logs below the temporary folder where there is no home to write them to: without, it does not
+    start.
+    """
+    if os.environ.get("ROS_LOG_DIR") or os.environ.get("ROS_HOME"):
+        return
+    folder = Path("~/.ros/log").expanduser()
+    with contextlib.suppress(OSError):
+        folder.mkdir(parents=True, exist_ok=True)
+    if not os.access(folder, os.W_OK):
+        os.environ["ROS_LOG_DIR"] = str(Path(tempfile.gettempdir()) / f"heave-ros-log-{os.getuid()}")
 
 
 def open_to_network() -> None:
