@@ -60,7 +60,7 @@ class KpiDefinition:
     symbols: str = ""  # the formula in the symbols of the field, for those who know them; "": the title says it all
 
     def text(self, value: float) -> str:
-        """Return the value as a table shows it, no finer than SIGNIFICANT; a dash for one that could not be computed."""
+        """Return the value as a table shows it, at most SIGNIFICANT digits; a dash where it could not be computed."""
         if not math.isfinite(value):
             return "-"
         shown = value * self.scale

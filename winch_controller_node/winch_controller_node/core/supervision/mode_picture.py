@@ -60,6 +60,7 @@ ACTIONS: Mapping[str, str] = {
     "end_stopped": "then stopped",
     "compensate_nothing": "gain 0",
     "compensate_all": "full gain",
+    "compensate_as_shown": "the gain at which load and drum move now",
     "wait_for_operator": "no automatic restart",
     "count_loss": "count the loss; after too many losses no automatic restart",
 }
