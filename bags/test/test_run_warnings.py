@@ -185,7 +185,11 @@ def test_a_baseline_that_lost_compensation_is_not_compared_without_a_word(record
     record.parameters["cable_sim"] = {}
     time = np.linspace(record.start, record.end, 1001)
     share = np.linspace(0.0, 1.0, 1001)
-    record.signals.baseline = replace(record.signals, compensating=Signal(time, (share <= active).astype(float)))
+    record.signals.baseline = replace(
+        record.signals, compensating=Signal(time, (share <= active).astype(float)), lost="at 220 s: x"
+    )
     values = {**record.kpis(), "baseline_outlet_efficiency": 0.2, "baseline_efficiency": 0.19}
-    assert ("compensation active 19 % of the time" in headline.on_industrial(record, values)) is is_said
+    assert (
+        "compensation active 19 % of the time, lost at 220 s: x." in headline.on_industrial(record, values)
+    ) is is_said
     assert ("active 19 % of the time" in headline.note(record, "baseline_efficiency")) is is_said
