@@ -85,6 +85,7 @@ class RunSignals:
     driving_omega: float = math.nan
     sensor_bound: float = math.nan  # the sensors' bound in kappa [m]; NaN: unknown
     actuator_bound: float = math.nan  # the winch's bound in kappa [m]; NaN: unknown
+    lost: str = ""  # when and why compensation was first lost, in words; "": it was not, or not known
     baseline: RunSignals | None = None  # the same sea and seed under the baseline law; None when unknown
     real_time_factor: float = math.nan  # of the run as a whole [-]; NaN when unknown
     missed_deadlines: float = math.nan  # of the run as a whole [-]; NaN when unknown

@@ -134,7 +134,7 @@ def test_runs_are_compared_side_by_side(made_up_bag):
     assert lines[0].split() == ["good", "bad"]
     assert next(line for line in lines if line.startswith("load heave, first harmonic")).split()[-3:-1] == [
         "5.000",
-        "20.000",
+        "20.00",
     ]
 
 

@@ -92,8 +92,8 @@ def test_why_compensation_never_began_is_told_in_the_words_of_the_controller(rec
     record.alarms += [Interval(21.0, 22.0, "winch_controller: alarms: only a warning", level=1)]
     (text,) = warned(record)
     assert text == (
-        "compensation never began; the controller's reasons: standby for 180 s: "
-        f"{TOLD.format(5)}; standby for 100 s: mru nan; MRU_FROZEN; winch_controller: sensor mru: nan: start it again"
+        f"Compensation never began. Reasons: standby for 180 s ({TOLD.format(5)}); standby for 100 s (mru nan). "
+        "Alarms: MRU_FROZEN, winch_controller: sensor mru: nan: start it again"
     )
 
 
@@ -104,7 +104,7 @@ def test_why_compensation_was_seldom_in_force_is_told_and_a_rest_that_was_asked_
     record.waits += [Interval(60.0, 300.0, "standby", reason="mru nan")]
     (text,) = warned(record)
     assert text.startswith(
-        "compensation was active for 17.2 % of the time from 10 s to 300 s; the controller's reasons: standby"
+        "Compensation was active for 17.2 % of the time from 10 s to 300 s. Reasons: standby for 240 s (mru nan)"
     )
     record.modes[-1] = record.waits[-1] = Interval(60.0, 300.0, "standby", reason="standby requested")
     assert warned(record) == []
@@ -120,7 +120,7 @@ def test_a_run_that_an_operator_stopped_early_is_not_told_why_it_was_not_in_forc
     record.waits = [Interval(0.0, 30.0, "standby", reason="depth nan")]
     record.modes.append(Interval(40.0, 45.0, "standby", reason="depth nan"))
     (text,) = warned(record)
-    assert text.startswith("compensation was active for")
+    assert text.startswith("Compensation was active for")
     record.modes[-1] = Interval(40.0, 45.0, "standby", reason="standby requested")
     assert warned(record) == []
 
@@ -185,7 +185,11 @@ def test_a_baseline_that_lost_compensation_is_not_compared_without_a_word(record
     record.parameters["cable_sim"] = {}
     time = np.linspace(record.start, record.end, 1001)
     share = np.linspace(0.0, 1.0, 1001)
-    record.signals.baseline = replace(record.signals, compensating=Signal(time, (share <= active).astype(float)))
+    record.signals.baseline = replace(
+        record.signals, compensating=Signal(time, (share <= active).astype(float)), lost="at 220 s: x"
+    )
     values = {**record.kpis(), "baseline_outlet_efficiency": 0.2, "baseline_efficiency": 0.19}
-    assert ("compensation active 19 % of the time" in headline.on_industrial(record, values)) is is_said
+    assert (
+        "compensation active 19 % of the time, lost at 220 s: x." in headline.on_industrial(record, values)
+    ) is is_said
     assert ("active 19 % of the time" in headline.note(record, "baseline_efficiency")) is is_said

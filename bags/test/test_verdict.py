@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from heave_bags.analyse.events import Interval
-from heave_bags.analyse.run_record import RecordedSea, RunRecord
+from heave_bags.analyse.run_record import RunRecord
 from heave_bags.analyse.run_warnings import warnings
 from heave_bags.analyse.verdict import FAILED, NO_VERDICT, PASSED, Judged, judge
 from heave_bags.signals import RunSignals, Signal
@@ -115,7 +115,7 @@ def test_a_verdict_needs_a_minute_after_the_transient(window, state):
 
 def test_a_verdict_says_that_compensation_was_active_and_in_which_sea():
     played = replace(record(100.0), run={"seed": "7", "replaced": "wave_vessel=bag"})
-    played.sea = RecordedSea("jonswap", 2.0, 9.0, 3)
+    played.sea = "jonswap, Hs 2 m, Tp 9 s, seed 3"
     lines = judge(played, [Criterion("unit_sigma_m", "<", 0.1)], moves_winch=True).lines()
     assert lines[0] == "verdict: passed for one sea, from a bag: jonswap, Hs 2 m, Tp 9 s, seed 3"
     assert "  Compensation active 100 % of the time (required at least 90 %): met" in lines

@@ -27,7 +27,7 @@ from heave_bags.analyse.reading.stored import (
     stored_title,
 )
 from heave_bags.analyse.reading.unit_height import measured_height, water_of
-from heave_bags.analyse.run_record import ESTIMATED, MEASURED, TRUE, RecordedSea, RunRecord
+from heave_bags.analyse.run_record import ESTIMATED, MEASURED, TRUE, RunRecord
 from heave_bags.errors import BagError
 from heave_bags.mcap.files import COMPLETE, SNAPSHOT
 from heave_bags.mcap.reader import Bag, Progress, no_progress
@@ -170,15 +170,13 @@ def _fill(record: RunRecord, fields: Mapping[str, Fields], parameters: NodeParam
     fill_parameters(record.signals, parameters)
 
 
-def _sea(state: Fields) -> RecordedSea | None:
-    """Return the last sea that was stated; None: none was."""
+def _sea(state: Fields) -> str:
+    """Return the last sea that was stated, in words; "": none was."""
     spectra = state.texts("spectrum")
-    if spectra is None or not state.size:
-        return None
     height, period = (state.signal(name).value for name in ("significant_wave_height", "peak_period"))
-    if not (height.size and period.size):
-        return None
-    return RecordedSea(str(spectra[-1]), float(height[-1]), float(period[-1]), int(state.codes("seed")[-1]))
+    if spectra is None or not (height.size and period.size):
+        return ""
+    return f"{spectra[-1]}, Hs {height[-1]:.4g} m, Tp {period[-1]:.4g} s, seed {state.codes('seed')[-1]}"
 
 
 def _set_window(record: RunRecord, transient: float) -> None:

@@ -50,21 +50,6 @@ def sea_source(replaced: Mapping[str, str], seed: object) -> str:
     return "from a bag" if replaced[SEA] == BAG else f"from another {SEA}"
 
 
-@dataclass(frozen=True)
-class RecordedSea:
-    """The sea that its node stated in the run."""
-
-    spectrum: str  # name
-    significant_wave_height: float  # [m]
-    peak_period: float  # [s]
-    seed: int  # of the realisation
-
-    def __str__(self) -> str:
-        return (
-            f"{self.spectrum}, Hs {self.significant_wave_height:.4g} m, Tp {self.peak_period:.4g} s, seed {self.seed}"
-        )
-
-
 @dataclass
 class RunRecord:
     """A run as its bag records it."""
@@ -92,7 +77,7 @@ class RunRecord:
     timings: dict[str, dict[str, int]] = field(default_factory=dict)
     is_past_transient: bool = True  # the run went on after its transient; False: the figures are of its start-up
     largest_strain: float = math.nan  # of the cable in the whole run, as the plant reported it [-]; NaN: it did not
-    sea: RecordedSea | None = None  # None: not recorded
+    sea: str = ""  # that its node stated, in words; "": not recorded
     title: str = ""  # of the lift, as the scenario states them; "": it does not
     description: str = ""  # of the lift, as the scenario states them; "": it does not
 
@@ -124,7 +109,7 @@ class RunRecord:
         if SEA not in self.replaced and "seed" not in self.run:
             return ""
         source = sea_source(self.replaced, self.run.get("seed"))
-        return f"{source}: {self.sea}" if self.sea is not None and SEA in self.replaced else source
+        return f"{source}: {self.sea}" if self.sea and SEA in self.replaced else source
 
     def source_notes(self) -> list[str]:
         """Return which motions are not the truth, as on a ship, where it is unknown."""

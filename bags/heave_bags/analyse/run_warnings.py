@@ -142,8 +142,8 @@ def why_not_in_force(record: RunRecord, values: Mapping[str, float]) -> list[str
     alarms = [one.name for one in record.alarms if one.level == ERROR and one.name.startswith(OF_CONTROLLER)]
     # an alarm whose consequence changes is reported again: its code says enough here
     codes = dict.fromkeys(code for name in alarms for code in [one.code for one in alarms_in(name)] or [name])
-    reported = [*_reasons(record, waits), *list(codes)[:MOST_LISTED]]
-    return [f"compensation {how}; the controller's reasons: {'; '.join(reported)}"]
+    raised = f". Alarms: {', '.join(list(codes)[:MOST_LISTED])}" if codes else ""
+    return [f"Compensation {how}. Reasons: {'; '.join(_reasons(record, waits))}{raised}"]
 
 
 def _reasons(record: RunRecord, waits: list[events.Interval]) -> list[str]:
@@ -152,7 +152,7 @@ def _reasons(record: RunRecord, waits: list[events.Interval]) -> list[str]:
     words: dict[str, str] = {}
     for wait in waits:
         kind = f"{wait.name}: {without_figures(wait.reason)}"
-        words.setdefault(kind, f": {wait.reason}" if wait.reason else "")
+        words.setdefault(kind, f" ({wait.reason})" if wait.reason else "")
         spent[kind] = spent.get(kind, 0.0) + time_within(record, wait)
     least = LEAST_OF_WAITS * sum(spent.values())
     longest = sorted((kind for kind in spent if spent[kind] >= least), key=lambda kind: -spent[kind])

@@ -136,15 +136,14 @@ class Verdict:
             modes = ", ".join(
                 f"{mode} {100.0 * share:.0f} %" for mode, share in self.time_in_modes.items() if share > 0.005
             )
-            found.append(self._active(f", {modes}", FAILED))
+            found.append(f"{self._active}{FAILED}" + (f" (modes: {modes})" if modes else ""))
         return found
 
-    def _active(self, modes: str, state: str) -> str:
-        """Return how long compensation was active, in which `modes` the controller was, and whether that is enough."""
-        return (
-            f"Compensation active {100.0 * self.share:.0f} % of the time{modes} (required at least "
-            f"{100.0 * LEAST_SHARE:.0f} %): {state}"
-        )
+    @property
+    def _active(self) -> str:
+        """How long compensation was active, and what is required."""
+        share, least = 100.0 * self.share, 100.0 * LEAST_SHARE
+        return f"Compensation active {share:.0f} % of the time (required at least {least:.0f} %): "
 
     @property
     def failures(self) -> list[str]:
@@ -172,7 +171,7 @@ class Verdict:
         if self.alarms:
             head += f"; {self.alarms} {'error' if self.alarms == 1 else 'errors'} reported"
         met = [str(judged) for judged in self.criteria if judged.is_met]
-        met += [self._active("", "met")] if self.share >= LEAST_SHARE else []
+        met += [f"{self._active}met"] if self.share >= LEAST_SHARE else []
         loads = [str(check) for check in self.loads if not check.is_failed]
         return [head, *(f"  {line}" for line in (*self.failures, *met, *loads, *self.remarks))]
 
@@ -245,8 +244,8 @@ def too_short(window: float) -> str:
     """Return why a run whose figures cover a `window` [s] after its transient is not judged; "" where they suffice."""
     if window > LEAST_WINDOW - 0.5:  # the record of a run may end a few samples before the run
         return ""
-    after = f"{window:.0f} s after the transient" if window > 0.0 else "nothing after the transient"
-    return f"its figures cover {after}, a verdict needs {LEAST_WINDOW:g} s"
+    after = f"only {window:.0f} s" if window > 0.0 else "no time"
+    return f"{after} after the transient, a verdict needs {LEAST_WINDOW:g} s"
 
 
 def judge_loads(loads: Sequence[LoadCheck]) -> Verdict:

@@ -71,8 +71,9 @@ def on_industrial(record: RunRecord, values: Mapping[str, float]) -> str:
     record : of the run
     values : its figures of merit (`RunRecord.kpis`)
     """
-    if active := _seldom_active(record):
-        return f"The industrial controller had compensation {active}: its efficiencies include the time without."
+    if (active := _seldom_active(record)) and record.signals.baseline is not None:
+        lost = f", lost {record.signals.baseline.lost}" if record.signals.baseline.lost else ""
+        return f"Industrial controller: compensation {active}{lost}. Its efficiencies include the time without."
     at_tip, at_load = values["baseline_outlet_efficiency"], values["baseline_efficiency"]
     if not at_tip - at_load > max(MUCH_LESS, 1.0 - at_tip):
         return ""

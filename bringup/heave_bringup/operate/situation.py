@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field, replace
 
+from heave_node.interface.codes import MODE
+
 WAITING, RUNNING, PAUSED, ENDED, FAILED = range(5)
 """States of a run, as in heave_msgs/TickStatus."""
 
@@ -167,6 +169,7 @@ def status_line(situation: Situation) -> str:
         parts.append(f"load heave, standard deviation {heave}, as estimated")
     if situation.is_paused and controller is None:
         parts.append("nodes publish nothing while it is paused: step to see more")
-    alarms = [str(alarm) for alarm in situation.alarms]
+    # the mode stands above, with its reason
+    alarms = [str(alarm) for alarm in situation.alarms if controller is None or not alarm.part.endswith(f": {MODE}")]
     parts.append(f"alarms: {', '.join(alarms)}" if alarms else "no alarm")
     return "; ".join(parts)

@@ -164,7 +164,8 @@ def cells(row: Row) -> tuple[str, ...]:
 
 def page() -> str:
     """Return the page of all parameters as Markdown: those that are shared once, then a table for each node."""
-    rows, shared = all_rows(), {}
+    rows = all_rows()
+    shared: dict[str, Row] = {}
     for row in rows:
         if row.shared:
             shared.setdefault(row.shared, row)

@@ -25,6 +25,7 @@ from heave_bringup.run.records import Request
 from heave_bringup.scenarios import Scenario
 from heave_bringup.stored_scenario import parameters_of
 from heave_node.files.given_files import whole_file
+from heave_node.interface.codes import COMPENSATION_LOST as LOST
 from heave_node.parameters import ParameterError
 from winch_controller_node.model.lqr import DesignError
 
@@ -57,7 +58,8 @@ def baseline_signals(scenario: Scenario, progress: Progress = no_progress) -> Ru
     loop = loop_parameters(replace(scenario, parameters=parameters))
     ticks = round(loop.duration / loop.tick_period)
     record = ClosedLoop(loop).run(lambda tick, _: progress(tick / ticks) if tick % 20 == 0 else None)
-    return run_signals(record, loop)
+    lost = (f"at {time:.0f} s: {alarm.values['reason']}" for time, alarm in record.alarms if alarm.code == LOST)
+    return replace(run_signals(record, loop), lost=next(lost, "").partition(";")[0])
 
 
 def add_to_record(record: RunRecord, request: Request, show: Callable[[str, float | None], None]) -> list[str]:
@@ -151,7 +153,7 @@ def keep(file: Path, digest: str, signals: RunSignals) -> None:
     parts: dict[str, Signal] = {name: getattr(signals, name) for name in KEPT}
     columns: dict[str, Any] = {name: np.stack((part.time, part.value)) for name, part in parts.items()}
     with whole_file(file) as unfinished, unfinished.open("wb") as stream:
-        np.savez_compressed(stream, digest=np.array(digest), **columns)
+        np.savez_compressed(stream, digest=np.array(digest), lost=np.array(signals.lost), **columns)
 
 
 def read_kept(file: Path, digest: str) -> RunSignals | None:
@@ -163,7 +165,7 @@ def read_kept(file: Path, digest: str) -> RunSignals | None:
         with np.load(file, allow_pickle=False) as columns:
             if str(columns["digest"]) != digest:
                 return None
-            signals = RunSignals()
+            signals = RunSignals(lost=str(columns["lost"]))
             for name in KEPT:
                 rows = columns[name].astype(float)
                 if rows.ndim != 2 or len(rows) != 2:

@@ -36,6 +36,9 @@ SHOWN: Mapping[str, tuple[str, float, int]] = {
 }
 """Unit, scale and digits of a figure in a table, by the end of its key; the first that fits."""
 
+SIGNIFICANT = 4
+"""Digits of a figure that decimals do not go beyond: no run of a sea is known better."""
+
 
 @dataclass(frozen=True)
 class KpiDefinition:
@@ -57,10 +60,13 @@ class KpiDefinition:
     symbols: str = ""  # the formula in the symbols of the field, for those who know them; "": the title says it all
 
     def text(self, value: float) -> str:
-        """Return the value as a table shows it; a dash for one that could not be computed."""
+        """Return the value as a table shows it, at most SIGNIFICANT digits; a dash where it could not be computed."""
         if not math.isfinite(value):
             return "-"
-        return f"{round(value * self.scale, self.digits) + 0.0:.{self.digits}f}"  # + 0.0: no sign before a zero
+        shown = value * self.scale
+        before = len(f"{abs(shown):.0f}")  # digits before the point
+        digits = min(self.digits, max(SIGNIFICANT - before, 0))
+        return f"{round(shown, digits) + 0.0:.{digits}f}"  # + 0.0: no sign before a zero
 
     def bound(self, value: float) -> str:
         """Return a bound, the SI `value`, in the unit of the table, no digit lost, with that unit."""

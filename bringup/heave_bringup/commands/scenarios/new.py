@@ -56,7 +56,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("file", metavar="SCENARIO", help="name or file to write; my_lift writes my_lift.yaml")
     add_model(parser, "begin with the values of this one")
     for kind in KINDS:
-        parser.add_argument(f"--{kind}", metavar="NAME", help=f"a {kind} of the catalogue (heave catalogue {kind})")
+        words = "load (unit)" if kind == "unit" else kind
+        parser.add_argument(f"--{kind}", metavar="NAME", help=f"a {words} of the catalogue (heave catalogue {kind})")
     for name, of in LIFT.items():
         parser.add_argument(f"--{name}", metavar=of.unit.upper(), type=float, help=of.words)
     parser.add_argument("--title", metavar="TEXT", help="title of the lift in its reports")
