@@ -6,8 +6,8 @@ import pytest
 from heave_bringup.closed_loop import COLUMNS, ClosedLoop, loop_parameters
 from heave_bringup.scenarios import load_scenario
 from heave_node.interface.alarm import Severity
-from winch_controller_node.core.supervision.proofs import MotionProof, Standing
-from winch_controller_node.model.nominal_load import NominalLoad
+from winch_controller_node.core.supervision.proofs import Driven, Proofs, Standing
+from winch_controller_node.interface.readings import Measurements
 
 TICK = 0.05
 REVERSED = tuple(
@@ -51,18 +51,18 @@ class Run:
         return [alarm.code for _, alarm in self.alarms]
 
 
-def proved(delivered, scale, cable, length, witnesses):
+def proved(delivered, scale, cable, parameters, witnesses):
     """Return what a locked winch's readings prove of an MRU that reads `scale` times what it does, by two windows."""
-    load, found = NominalLoad(cable, length, TICK), []
+    proofs, found = Proofs(parameters, cable, TICK), []
     for k, one in enumerate(delivered):
         mru = [one._replace(heave=scale * one.heave, heave_rate=scale * one.heave_rate) for one in one.mru]
-        load.step(tuple(mru))
-        if k in (400, 800):
-            proof = MotionProof(TICK)
-            found.append(proof)
-        if k >= 400:
-            proof.add(load, *(one.of(name) if name in witnesses else () for name in ("load_cell", "depth")))
-    return [proof.standing for proof in found]
+        scalar = {name: one.of(name) for name in witnesses}
+        # a load that does not hang is not compared: another record begins
+        proofs.step(Measurements(tuple(mru), scalar), Driven(waits=False, hangs=k >= 400 and k != 800))
+        if k == 800:
+            found.append(proofs.standing)
+            proofs.take_nominal(parameters, cable)
+    return [*found, proofs.standing]
 
 
 CASES = [
@@ -85,7 +85,7 @@ def test_a_sound_mru_is_proved_and_a_reversed_one_refused_by_either_witness(scen
     controller = run.loop.controller
     for witnesses in (("load_cell",), ("depth",)):
         for scale, standing in ((1.0, Standing.PROVED), (-1.0, Standing.REVERSED)):
-            found = proved(run.delivered, scale, controller.design.cable, controller.parameters.length, witnesses)
+            found = proved(run.delivered, scale, controller.design.cable, controller.parameters, witnesses)
             assert standing in found, witnesses
             assert set(found) <= {standing, Standing.OPEN}, witnesses
 

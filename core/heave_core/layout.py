@@ -18,12 +18,22 @@ from heave_core import (
     law_table,
     look_table,
     modes_table,
+    proof_table,
     sense_table,
     watch_table,
 )
 from heave_core.rows import COUNTER, NUMBER, Structure
 
-TABLES = (envelope_table, filter_table, look_table, law_table, watch_table, sense_table, modes_table)
+TABLES = (
+    envelope_table,
+    filter_table,
+    look_table,
+    law_table,
+    watch_table,
+    sense_table,
+    modes_table,
+    proof_table,
+)
 """By subject, in the order in which C++ needs them."""
 
 STRUCTURES = tuple(one for table in TABLES for one in table.STRUCTURES)

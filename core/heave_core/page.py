@@ -40,6 +40,9 @@ every field.
 | guard | `guard.cpp` | whether compensation does harm: drum, swing, depth sensor, waves |
 | modes | `modes.cpp` | the mode machine: runs the table of modes, moves authority |
 | attempts | `attempts.cpp` | whether compensation that did harm is tried again, and with what doubt |
+| proofs | `proofs.cpp` | MRU proved by load cell and depth sensor before the brake opens |
+| fit | `fit.cpp` | a sensor's record fitted on what is expected of it |
+| brake | `brake.cpp` | braked drum by the load cell; drum count by the speed that the drive states |
 | demand | `demand.cpp` | what the sea demands of the winch, and the gain that this allows |
 | statistics | `statistics.cpp` | running standard deviations and amplitudes |
 | landing | `landing.cpp` | whether a lowered unit has landed, and whether a lifted one hangs again |

@@ -275,38 +275,3 @@ class LoadRecord:
         """Take a tick in, with tensions [N], and whether the winch is at a limit; return the bits of LoadNews."""
         found: int = self._watch(*self._at, tension, static_tension, is_at_limit)
         return found
-
-
-class NominalUnit:
-    """The nominal unit under a locked drum.
-
-    Parameters
-    ----------
-    values : by the names of NOMINAL_LOAD_DESIGN
-
-    Attributes
-    ----------
-    at_tip : time of the newest reading [s], heave of boom tip and unit [m], and time for which they are known [s], on
-        the memory that C++ has
-    """
-
-    def __init__(self, values: Mapping[str, Any]) -> None:
-        core = library()
-        self._design, self._state = new(table.NOMINAL_LOAD_DESIGN), new(table.NOMINAL_LOAD_STATE)
-        fill(self._design[0], values)
-        self.at_tip = self._state.view(np.uint8)[: 4 * 8].view(np.float64)
-        self._at = self._design.ctypes.data, self._state.ctypes.data
-        self._advance, self._read = core.heave_core_nominal_load, core.heave_core_nominal_load_read
-        core.heave_core_nominal_load_begin(self._at[1])
-
-    def take_cable(self, cable: Mapping[str, Any]) -> None:
-        """Go on with another `cable`, values by the names of HANGING_CABLE."""
-        fill(self._design["cable"][0], cable)
-
-    def advance(self) -> None:
-        """Advance by a tick without a reading."""
-        self._advance(*self._at)
-
-    def read(self, time: float, heave: float, rate: float) -> None:
-        """Advance by a tick with a reading of a `time` [s]: `heave` [m], and `rate` [m/s], NaN where there is none."""
-        self._read(*self._at, time, heave, rate)

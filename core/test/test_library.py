@@ -82,7 +82,9 @@ def test_the_page_of_the_documentation_is_the_table():
     assert (REPOSITORY / "docs/core.md").read_text(encoding="utf-8") == page()
 
 
-MATHEMATICS = "acos asin atan2 ceil cos exp expm1 floor fmod hypot log log1p nearbyint pow round sin sqrt tan tanh"
+MATHEMATICS = (
+    "acos asin atan2 ceil cos exp expm1 floor fmod hypot log log1p nearbyint pow round sin sincos sqrt tan tanh"
+)
 """What parts may call of the mathematical library."""
 
 OF_THE_LINKER = {

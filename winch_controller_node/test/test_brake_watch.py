@@ -1,17 +1,18 @@
 """Motion under the brake is reported in time, by count and load cell, and what follows of it."""
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 import pytest
 from heave_node.interface.alarm import Severity
 from heave_node.interface.codes import WinchFault
+from heave_node.interface.sensors import MruReading
 from hypothesis import given
 from hypothesis import strategies as st
 from winch_controller_node.core.envelope import Asked, OrderEnvelope
 from winch_controller_node.core.supervision.modes import Mode
-from winch_controller_node.core.supervision.watch.brake_watch import FALL_WINDOW, BrakeWatch
+from winch_controller_node.core.supervision.proof_design import FALL_WINDOW
+from winch_controller_node.core.supervision.proofs import Driven, Proofs
 from winch_controller_node.interface.readings import Measurements, ScalarReading, WinchOrder, WinchReading
 from winch_controller_node.model.blocks import CableModel
 from winch_controller_node.motion.trajectory import MeanPayout
@@ -22,23 +23,19 @@ RESOLUTION = 0.001
 """Of the encoder [m]."""
 STATIC, STIFFNESS = 98.6e3, 17.5e3
 CABLE = CableModel(a=7.2, b=0.05, stiffness=STIFFNESS, static_tension=STATIC)
-
-
-@dataclass
-class Load:
-    """A nominal load whose stretch is given."""
-
-    stretch: float = 0.0
-    is_known: bool = True
-    cable: CableModel = CABLE
+STILL = CableModel(a=1e9, b=0.0, stiffness=STIFFNESS, static_tension=STATIC)
+"""With a load so heavy that it stays where it is."""
 
 
 class Drum:
-    """A drum under the brake, with a watch; `tick` moves it and the load by a tick."""
+    """A drum under the brake, with a watch; `tick` moves it and the load by a tick.
+
+    `heave` is the boom tip's of a load that stays where it is: the cable is longer by it than at rest.
+    """
 
     def __init__(self, *, noise=100.0):
-        self.watch, self.load = BrakeWatch(TICK), Load()
-        self.time = self.way = self.tension = 0.0
+        self.proofs = Proofs(WinchControllerParameters(length=900.0), STILL, TICK)
+        self.time = self.way = self.tension = self.heave = 0.0
         self.alarms = []
         self._noise, self._rng = noise, np.random.default_rng(1)
 
@@ -47,11 +44,15 @@ class Drum:
         self.way += rate * TICK
         self.tension += falls * TICK
         read = round(self.way / RESOLUTION) * RESOLUTION if count else math.nan
-        winch = WinchReading(self.time, read, 0.0, brake, fault)
+        winch = WinchReading(self.time, read, math.nan, brake, fault)
         noise = self._noise * self._rng.normal()
-        force = STATIC + STIFFNESS * self.load.stretch + self.tension + noise
-        given = {"is_braked": brake, "runs": runs, "winch": winch}
-        found = self.watch.step(self.load, tensions=(ScalarReading(self.time, force),), **given)
+        force = max(STATIC + STIFFNESS * self.heave, 0.0) + self.tension + noise
+        raw = Measurements(
+            (MruReading(self.time, self.heave, math.nan),), {"load_cell": (ScalarReading(self.time, force),)}, winch
+        )
+        self.proofs.note(WinchOrder(0, 0.0, 0.0, brake))
+        driven = Driven(waits=False, hangs=True, taken_over="DRUM_RUNS_BRAKED" if runs else "")
+        found = self.proofs.step(raw, driven).alarms
         self.alarms += [(self.time, self.way, alarm) for alarm in found]
         return [alarm.code for alarm in found]
 
@@ -103,9 +104,9 @@ def test_waves_that_the_mru_shows_and_those_that_it_does_not_are_no_slip():
     for is_known in (True, False):
         drum = Drum()
         for _ in range(4000):
-            drum.load.stretch = 0.3 * math.sin(0.7 * drum.time)
+            drum.heave = 0.3 * math.sin(0.7 * drum.time)
             if not is_known:
-                drum.tension, drum.load.stretch = STIFFNESS * drum.load.stretch, 0.0
+                drum.tension, drum.heave = STIFFNESS * drum.heave, 0.0
             drum.tick()
         assert drum.codes == []
 
@@ -116,10 +117,11 @@ def test_a_cable_that_goes_slack_in_waves_and_snaps_taut_is_no_slip():
         drum = Drum()
         for _ in range(4000):
             lowest = -1.05 * STATIC / STIFFNESS
-            drum.load.stretch = max(1.2 * lowest * math.sin(0.7 * drum.time), -STATIC / STIFFNESS)
+            drum.heave = 1.2 * lowest * math.sin(0.7 * drum.time)
+            shown = max(drum.heave, -STATIC / STIFFNESS)
             real = max(1.2 * lowest * math.sin(0.7 * (drum.time - late)), -STATIC / STIFFNESS)
             snap = 0.5 * STATIC * (real > -STATIC / STIFFNESS) * (math.sin(0.7 * (drum.time - late - 0.2)) > 0.79)
-            drum.tension = STIFFNESS * (real - drum.load.stretch) + snap
+            drum.tension = STIFFNESS * (real - shown) + snap
             drum.tick()
         assert drum.codes == []
 

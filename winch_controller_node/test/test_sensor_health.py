@@ -145,6 +145,8 @@ def test_a_stamp_from_the_future_or_the_past_or_none_at_all_is_refused(stamp, re
     gate = make_gate()
     feed(gate, [0.1, 0.2, 0.3])
     assert not gate.judge(4 * DT, stamp, (0.4,))
+    # one stamp that cannot be says nothing of the readings after it
+    assert gate.judge(5 * DT, 5 * DT, (0.5,))
     assert gate.reason == reason
 
 

@@ -164,7 +164,7 @@ void leave(const Acting &on) {
                      watch_travel(*on.load, *on.load_state, on.command->half_travelled != 0.0, on.command->at_travel != 0.0);
     if (done.is_replaced != 0.0) take_sent(on);
     send_place(on);
-    note_kpi(on);
+    if (on.kpi_rows) note_kpi(on);
 }
 
 }  // namespace heave

@@ -30,7 +30,7 @@ struct Acting {
     LoadWatchState *load_state;
     const KpiDesign *kpi;
     KpiState *kpi_state;
-    KpiRow *kpi_rows;
+    KpiRow *kpi_rows;  // null: not kept
     ActDone *done;
 };
 

@@ -2,6 +2,7 @@
 #include "act.h"
 #include "modes.h"
 #include "pass.h"
+#include "proofs.h"
 #include "sense.h"
 #include "supervise.h"
 
@@ -237,17 +238,6 @@ int heave_core_load(const heave::LoadWatchDesign *design, heave::LoadWatchState 
     return heave::watch_load(*design, *state, tension, static_tension, is_at_limit);
 }
 
-// The nominal unit under a locked drum: a tick without a reading, and one with it.
-void heave_core_nominal_load_begin(heave::NominalLoadState *state) { heave::begin_nominal_load(*state); }
-
-void heave_core_nominal_load(const heave::NominalLoadDesign *design, heave::NominalLoadState *state) {
-    heave::advance_nominal_load(*design, *state);
-}
-
-void heave_core_nominal_load_read(const heave::NominalLoadDesign *design, heave::NominalLoadState *state, double time, double heave, double rate) {
-    heave::read_nominal_load(*design, *state, time, heave, rate);
-}
-
 // The mode machine: a tick, which returns the event that was taken, -1: none; an event of an operator or the load, which
 // returns 1 where a row was taken.
 int heave_core_modes(const heave::ModeDesign *design, const heave::Situation *situation, heave::ModeState *state) {
@@ -287,6 +277,18 @@ void heave_core_supervision_begin(heave::SupervisionState *state) { heave::begin
 void heave_core_supervision_reset_sea(heave::SupervisionState *state) { heave::begin_highest_tension(*state); }
 
 void heave_core_supervise(const heave::Supervising *on, const double *depths) { heave::supervise(*on, depths); }
+
+// Proofs before the brake opens: begin; a tick; the MRU is proved again; an operator asks for a mode.
+void heave_core_proofs_begin(const heave::ProofDesign *design, heave::ProofState *state) { heave::begin_proofs(*design, *state); }
+
+int heave_core_prove(const heave::ProofDesign *design, const heave::ProofSeen *seen, const heave::Delivered *delivered, int count,
+                     heave::ProofState *state, heave::ProofWork *work) {
+    return heave::prove(*design, *seen, delivered, count, *state, *work);
+}
+
+void heave_core_proofs_reset(const heave::ProofDesign *design, heave::ProofState *state) { heave::reset_proof(*design, *state); }
+
+void heave_core_proofs_ask(heave::ProofState *state, int consent) { heave::ask(*state, consent); }
 
 // The mean payout in motion: a tick of it, whether it moves, the ticks of its move that are left, and a tick of the loop's own
 // answer to it with the model x' = A x + B u.

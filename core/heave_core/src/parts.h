@@ -9,7 +9,8 @@
 
 namespace heave {
 
-constexpr double NOT_KNOWN = std::numeric_limits<double>::quiet_NaN(), ANY = std::numeric_limits<double>::infinity();
+constexpr double NOT_KNOWN = std::numeric_limits<double>::quiet_NaN();
+constexpr double INFINITE = std::numeric_limits<double>::infinity(), ANY = INFINITE;
 
 inline double clip(double value, double lower, double upper) { return std::min(std::max(value, lower), upper); }
 

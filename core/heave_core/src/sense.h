@@ -5,8 +5,6 @@
 
 namespace heave {
 
-constexpr double INFINITE = std::numeric_limits<double>::infinity();
-
 // The larger of two; the second may be no number.
 inline double larger(double value, double other) { return other > value ? other : value; }
 

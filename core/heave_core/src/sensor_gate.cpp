@@ -71,7 +71,8 @@ void begin_gate(const Health &health, const Sensor &sensor, SensorGate &gate) {
 bool judge(const Health &health, const Sensor &sensor, SensorGate &gate, double now, double time, const double *values,
            int count, double status) {
     const int reason = fault_of(health, sensor, gate, now, time, values, count, status);
-    if (gate.newest_stamp < time && time < INFINITE) {
+    const bool can_be = time <= now + health.stamp_tolerance;  // else readings after it would come too late for ever
+    if (can_be && gate.newest_stamp < time) {
         if (gate.newest_stamp > -INFINITE) add_interval(health, sensor, gate.interval, time - gate.newest_stamp);
         gate.newest_stamp = time;
     }

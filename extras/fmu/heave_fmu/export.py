@@ -13,7 +13,6 @@ from heave_bringup.stored_scenario import stored_sections, stored_title
 from heave_node.scenario import sections_text
 
 from heave_fmu.compiled.build import export_controller
-from heave_fmu.compiled.part import FixedControllerPart
 from heave_fmu.part import STEPS, Part
 from heave_fmu.parts import PARTS
 from heave_fmu.slave import SCENARIO
@@ -43,7 +42,7 @@ def export_part(scenario: Scenario, part: str, folder: Path, language: str = "py
     scenario : its active values go into the FMU
     part : a name of `parts.PARTS`
     folder : where the file goes
-    language : of the controller: "python", or "c" for the fixed one, which needs no Python
+    language : of the controller: "python", or "c" for the compiled one, which needs no Python and has no adviser
     """
     if part == "controller" and language == "c":
         return export_controller(scenario, folder)
@@ -81,19 +80,15 @@ def connections(parts: Mapping[str, Part]) -> list[tuple[str, str, str]]:
     ]
 
 
-def make_parts(scenario: Scenario, names: Iterable[str] = PARTS, language: str = "python") -> dict[str, Part]:
-    """Return parts of the loop of a `scenario` by their `names`, not begun; the controller as it is in a `language`."""
+def make_parts(scenario: Scenario, names: Iterable[str] = PARTS) -> dict[str, Part]:
+    """Return parts of the loop of a `scenario` by their `names`, not begun."""
     parameters = loop_parameters(scenario)
-    made = {**PARTS, "controller": FixedControllerPart} if language == "c" else PARTS
-    return {name: made[name](parameters) for name in names}
+    return {name: PARTS[name](parameters) for name in names}
 
 
-def write_system(scenario: Scenario, folder: Path, language: str = "python") -> Path:
-    """Write the system of all parts of a `scenario`, whose FMUs are in a `folder`, for libcosim; return its file.
-
-    `language` is that of the controller.
-    """
-    parts = make_parts(scenario, language=language)
+def write_system(scenario: Scenario, folder: Path) -> Path:
+    """Write the system of all parts of a `scenario`, whose FMUs are in a `folder`, for libcosim; return its file."""
+    parts = make_parts(scenario)
     step = f"{scenario.run.tick_period / STEPS:.12g}"
     root = Element("OspSystemStructure", xmlns=_NAMESPACE, version="0.1")
     SubElement(root, "BaseStepSize").text = step

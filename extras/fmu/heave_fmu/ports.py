@@ -48,6 +48,11 @@ class Port:
         self.values: list[Any] = [_EMPTY.get(variable.kind, "") for variable in self.variables]
         self._seen = 0
 
+    @property
+    def sizes(self) -> tuple[int, int]:
+        """Slots, and numbers of each after its stamp."""
+        return self._slots, self._width - 1
+
     def restart(self) -> None:
         """Count from the first message again."""
         self.values[0] = min(self.values[0], 0)

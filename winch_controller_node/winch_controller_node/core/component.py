@@ -180,8 +180,9 @@ class WinchController(ControllerEvents):
         """Return what nominal values and the `measurements` of the tick prove."""
         modes, reason = self.modes, self.envelope.reason
         waits = modes.mode is Mode.STANDBY and modes.wants_compensation
-        driven = Driven(waits, self._supervisor.landing.hangs, "" if reason is None else reason.code)
-        proven = self.proofs.step(measurements, driven)
+        latest = (self._next_tick - 1) * self._dt + self.parameters.health.stamp_tolerance
+        driven = Driven(waits, self._supervisor.landing.hangs, "" if reason is None else reason.code, latest)
+        proven = self.proofs.step(measurements, driven, self._estimation.core_tick.delivered)
         self._alarms += proven.alarms
         return proven
 

@@ -17,11 +17,11 @@ from heave_node.interface.alarm import Alarm
 from heave_node.interface.codes import MruStatus, WinchFault
 
 from winch_controller_node.core.supervision.modes import Mode
+from winch_controller_node.core.supervision.proof_design import PLAUSIBLE_LOAD
 from winch_controller_node.core.supervision.watch.load_watch import Episode
 from winch_controller_node.interface.alarms import ALARMS
 from winch_controller_node.interface.readings import Measurements, WinchOrder
 from winch_controller_node.model.blocks import CableModel
-from winch_controller_node.model.nominal_load import PLAUSIBLE_LOAD
 from winch_controller_node.motion.trajectory import MoveRequest
 from winch_controller_node.node_parameters import WinchControllerParameters
 from winch_controller_node.parameters.envelope import EnvelopeParameters

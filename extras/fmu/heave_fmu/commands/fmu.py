@@ -35,7 +35,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--language",
         choices=("python", "c"),
         default="python",
-        help="c: controller in C (filter, law and governor of one design) with sources (default: python)",
+        help="c: controller compiled, with sources, without adviser, for any place without Python (default: python)",
     )
     parser.add_argument("--folder", type=Path, metavar="DIR", help="output folder (default: SCENARIO_fmu)")
 
@@ -59,11 +59,11 @@ def execute(options: argparse.Namespace) -> None:
     except OSError as error:
         raise ParameterError(f"--folder {folder}: {error.strerror}") from error
     lines, files = [], {}
-    for name, part in make_parts(scenario, chosen, options.language).items():
+    for name, part in make_parts(scenario, chosen).items():
         file = export_part(scenario, name, folder, options.language).resolve()
         ins, outs = (sum(len(port.variables) for port in ports.values()) for ports in (part.inputs, part.outputs))
         lines.append(f"{file}: {ins} variables in, {outs} out, a step {scenario.run.tick_period:g} s or a fourth of it")
         files[name] = {"file": str(file), "inputs": ins, "outputs": outs}
-    system = None if options.part else write_system(scenario, folder, options.language).resolve()
+    system = None if options.part else write_system(scenario, folder).resolve()
     lines += [] if system is None else [f"{system}: all of them, wired for libcosim"]
     write_result(options, "\n".join(lines), {"parts": files, "system": system and str(system)})

@@ -1,1 +1,1 @@
-"""The fixed controller as an FMU of C alone."""
+"""The controller as an FMU without Python."""

@@ -1,94 +1,126 @@
-/* The fixed controller as a slave of FMI 2.0: messages in and out as held values, a tick at each whole tick period. */
+/* The controller as a slave of FMI 2.0: messages in and out as held values, a tick at each whole tick period. */
 #include <math.h>
 #include <string.h>
 
 #include "controller.h"
 #include "fmi2Functions.h"
-#include "last_step.h"
+#include "interface.h"
 
-enum { MRU_PORT, DEPTH_PORT, WINCH_PORT, PORTS };
+/* Messages of a topic: reference of their counter, most that come in a tick, numbers of each after its stamp, the sensor that
+   they are of, and, of a scalar one, the field that counts, what it reads at 0, and its unit over that of the controller. */
+typedef struct {
+    int counter, slots, width, sensor, field;
+    double zero, scale;
+} Port;
 
-static const int COUNTS[PORTS] = {mru_count, unit_pressure_count, winch_state_count};
+static const Port PORTS[] = INPUT_PORTS;
+enum { COUNT = sizeof PORTS / sizeof *PORTS, MOST = 64 };
+static const char *const MODES[] = MODE_NAMES;
 
 typedef struct {
-    Controller controller;
-    double values[VARIABLES], depth_zero, envelope[ENVELOPE_NUMBERS];
-    int done, seen[PORTS];
+    double values[VARIABLES];
+    int done, seen[COUNT];
+    HeaveOrder order;
+    void *controller;
     fmi2CallbackFreeMemory free_memory;
 } Instance;
 
-/* Tell whether a message came since the last tick; a counter of -1 says that one comes with each. */
-static bool has_news(Instance *instance, int port)
+/* Messages that came since the last tick; a counter of -1 says that one comes with each. */
+static int news(Instance *instance, int port)
 {
-    const int count = (int)instance->values[COUNTS[port]];
-    const bool is_new = count == -1 || count > instance->seen[port];
-    instance->seen[port] = count == -1 ? instance->seen[port] : count;
-    return is_new;
+    const int count = (int)instance->values[PORTS[port].counter], before = instance->seen[port];
+    if (count == -1) return 1;
+    instance->seen[port] = count;
+    return count > before ? count - before : 0;
 }
 
-/* Add a reading of the message at a port, which is of the tick where it has no stamp. */
-static int add(Instance *instance, Reading *readings, int count, int port, int which, double value)
+/* Time of a message [s], whose stamps are whole nanoseconds; one without a stamp is of the tick. */
+static double time_of(const Instance *instance, double stamp)
 {
-    const double stamp = instance->values[COUNTS[port] + 1];
-    const double ticks = stamp < 0.0 ? instance->done : stamp / TICK_PERIOD, whole = rint(ticks);
-    if (!isfinite(value) || !(fabs(ticks) < 1e9)) return count;
-    readings[count] = (Reading){(int)whole, which, fabs(ticks - whole) > ON_TICK ? ticks - whole : 0.0, value};
-    return count + 1;
+    return (stamp < 0.0 ? instance->done * TICK_NANOSECONDS : rint(1e9 * stamp)) * 1e-9;
 }
 
-static void do_tick(Instance *instance)
+static HeaveReading reading_of(const Instance *instance, const Port *port, const double *message)
+{
+    const double *fields = message + 1;
+    HeaveReading reading = {port->sensor, time_of(instance, message[0]), 0.0, 0.0, 0.0, 0.0, 0.0, NAN, NAN};
+    if (port->sensor != HEAVE_MRU) {
+        reading.value = (fields[port->field] - port->zero) / port->scale;
+        return reading;
+    }
+    reading.value = fields[MRU_HEAVE], reading.rate = fields[MRU_HEAVE_RATE];
+    reading.roll = fields[MRU_ROLL], reading.pitch = fields[MRU_PITCH], reading.status = fields[MRU_STATUS];
+    reading.sigma = fields[MRU_HEAVE_SIGMA], reading.rate_sigma = fields[MRU_HEAVE_RATE_SIGMA];
+    return reading;
+}
+
+static HeaveWinch winch_of(const Instance *instance, const double *message)
+{
+    const double *fields = message + 1;
+    const HeaveWinch winch = {1, time_of(instance, message[0]), fields[WINCH_ENCODER_PAYOUT], fields[WINCH_ENCODER_PAYOUT_RATE],
+                              fields[WINCH_BRAKE] != 0.0, (int)fields[WINCH_FAULT], (int)fields[WINCH_LIMITS_HIT],
+                              (int)fields[WINCH_COMMAND_SEQUENCE]};
+    return winch;
+}
+
+static void put_out(Instance *instance)
 {
     double *values = instance->values;
-    Reading readings[MEASUREMENTS];
-    Seen seen = {NAN, NAN, NAN};
-    int count = 0;
-    instance->done++;
-    if (has_news(instance, MRU_PORT) && values[mru_status] == 0.0) {
-        count = add(instance, readings, count, MRU_PORT, MRU_HEAVE, values[mru_heave]);
-        count = add(instance, readings, count, MRU_PORT, MRU_HEAVE_RATE, values[mru_heave_rate]);
-        seen.heave = values[mru_heave], seen.heave_rate = values[mru_heave_rate];
-    }
-    if (has_news(instance, WINCH_PORT)) {
-        count = add(instance, readings, count, WINCH_PORT, PAYOUT, values[winch_state_encoder_payout]);
-        seen.count = values[winch_state_encoder_payout];
-    }
-    if (has_news(instance, DEPTH_PORT)) {
-        const double depth = (values[unit_pressure_fluid_pressure] - ATMOSPHERE) / PRESSURE_PER_METRE;
-        if (isnan(instance->depth_zero)) instance->depth_zero = depth;
-        count = add(instance, readings, count, DEPTH_PORT, UNIT_HEAVE, instance->depth_zero - depth);
-    }
-    const Order ordered = controller_step(&instance->controller, instance->done, readings, count);
-    const Within asked = {ordered.payout, ordered.payout_rate, ordered.brake};
-    const Within within = last_step(instance->envelope, &seen, &asked);
-    const Order sent = {within.payout, within.payout_rate, within.brake != 0.0};
-    controller_sent(&instance->controller, &ordered, &sent);
-    const Order order = controller_placed(&instance->controller, &sent);
-    values[winch_command_payout] = order.payout;
-    values[winch_command_payout_rate] = order.payout_rate;
-    values[winch_command_brake] = order.brake;
-    values[winch_command_sequence] = instance->done;
-    values[controller_state_authority] = instance->controller.authority;
-    values[winch_command_header_stamp] = values[controller_state_header_stamp] = instance->done * TICK_PERIOD;
+    const HeaveOrder *order = &instance->order;
+    values[winch_command_sequence] = order->sequence;
+    values[winch_command_payout] = order->payout;
+    values[winch_command_payout_rate] = order->rate;
+    values[winch_command_brake] = order->brake;
+    values[winch_command_mean_payout] = order->mean_payout;
+    values[controller_state_authority] = order->authority;
+    values[controller_state_depth_set_point] = order->depth_set_point;
+    values[winch_command_header_stamp] = values[controller_state_header_stamp] = time_of(instance, -1.0);
     values[winch_command_count]++;
     values[controller_state_count]++;
+}
+
+/* Do a tick; return 0 where more messages came than have variables. */
+static int do_tick(Instance *instance)
+{
+    HeaveReading readings[MOST];
+    HeaveWinch winch = {0};
+    int count = 0;
+    instance->done++;
+    for (int port = 0; port < COUNT; port++) {
+        const Port *of = &PORTS[port];
+        const double *first = instance->values + of->counter + 1;
+        const int came = news(instance, port);
+        if (of->sensor == HEAVE_ENCODER) {
+            if (came) winch = winch_of(instance, first);
+            continue;
+        }
+        if (came > of->slots || count + came > MOST) return 0;
+        for (int slot = 0; slot < came; slot++) readings[count++] = reading_of(instance, of, first + slot * (1 + of->width));
+    }
+    heave_controller_step(instance->controller, readings, count, &winch, &instance->order);
+    put_out(instance);
+    return 1;
 }
 
 /* Start values: nobody counts, and there are no stamps, at the inputs. */
 static void set_start(Instance *instance)
 {
     memset(instance->values, 0, sizeof instance->values);
-    for (int port = 0; port < PORTS; port++) instance->values[COUNTS[port]] = instance->values[COUNTS[port] + 1] = -1.0;
+    for (int port = 0; port < COUNT; port++) {
+        double *message = instance->values + PORTS[port].counter;
+        *message++ = -1.0;
+        for (int slot = 0; slot < PORTS[port].slots; slot++, message += 1 + PORTS[port].width) *message = -1.0;
+    }
 }
 
 static void begin(Instance *instance)
 {
-    controller_begin(&instance->controller);
-    last_step_begin(instance->envelope);
+    heave_controller_begin(instance->controller);
     instance->done = 0;
-    instance->depth_zero = NAN;
-    for (int port = 0; port < PORTS; port++) {
+    for (int port = 0; port < COUNT; port++) {
+        double *counter = instance->values + PORTS[port].counter;
         instance->seen[port] = 0;
-        if (instance->values[COUNTS[port]] > 0.0) instance->values[COUNTS[port]] = 0.0;
+        if (*counter > 0.0) *counter = 0.0;
     }
     for (int index = FIRST_OUTPUT; index < VARIABLES; index++) instance->values[index] = 0.0;
 }
@@ -101,6 +133,11 @@ fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, f
     Instance *instance = functions->allocateMemory(1, sizeof *instance);
     if (!instance) return NULL;
     instance->free_memory = functions->freeMemory;
+    instance->controller = functions->allocateMemory(1, heave_controller_size());
+    if (!instance->controller) {
+        functions->freeMemory(instance);
+        return NULL;
+    }
     set_start(instance);
     begin(instance);
     return instance;
@@ -108,7 +145,10 @@ fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, f
 
 void fmi2FreeInstance(fmi2Component c)
 {
-    if (c) ((Instance *)c)->free_memory(c);
+    Instance *instance = c;
+    if (!instance) return;
+    instance->free_memory(instance->controller);
+    instance->free_memory(instance);
 }
 
 fmi2Status fmi2SetupExperiment(fmi2Component c, fmi2Boolean has_tolerance, fmi2Real tolerance, fmi2Real start,
@@ -137,7 +177,8 @@ fmi2Status fmi2DoStep(fmi2Component c, fmi2Real time, fmi2Real step, fmi2Boolean
     const double end = ceil((time + step) / TICK_PERIOD - INSTANT);
     (void)no_set_state;
     if (!(end < 2e9) || !(step >= 0.0)) return fmi2Error;
-    while (instance->done < end) do_tick(instance);
+    while (instance->done < end)
+        if (!do_tick(instance)) return fmi2Error;
     return fmi2OK;
 }
 
@@ -168,7 +209,7 @@ fmi2Status fmi2GetString(fmi2Component c, const fmi2ValueReference vr[], size_t 
     const Instance *instance = c;
     for (size_t i = 0; i < n; i++) {
         if (vr[i] != controller_state_mode) return fmi2Error;
-        value[i] = instance->done == 0 ? "" : instance->values[winch_command_brake] != 0.0 ? "standby" : "compensating";
+        value[i] = instance->done == 0 ? "" : MODES[instance->order.mode];
     }
     return fmi2OK;
 }

@@ -35,6 +35,7 @@ class CoreTick:
     said : innovation, its standard deviation, its normalised square, and whether it was accepted, by measurement
     observed : readings of the tick, by the columns of OBSERVED
     depths : depth readings of the tick: stamp [s] and depth [m]
+    delivered : address of the rows of DELIVERED of the tick, and how many they are
     """
 
     def __init__(self) -> None:
@@ -42,6 +43,7 @@ class CoreTick:
         self._given_row, self._tick_row = self._given.view(np.float64), self._tick.view(np.float64)
         self.said = np.zeros((MEASUREMENTS, len(SAID.rows)))
         self._call, self._parts = library().heave_core_sense, (0,) * 5
+        self.delivered = (0, 0)
         self._make_room(ROOM)
 
     def _make_room(self, readings: int) -> None:
@@ -105,16 +107,23 @@ class CoreTick:
 
     def _deliver(self, measurements: Measurements) -> int:
         """Fill in what was delivered; return how many readings that are."""
-        mru = SENSOR["mru"]
-        rows: list[tuple[float, ...]] = [
-            (mru, one.time, one.heave, one.heave_rate, one.roll, one.pitch, one.status, *one[-2:])
-            for one in measurements.mru
-        ]
-        for name in SCALAR_SENSORS:
-            for time, value in measurements.of(name):
-                rows.append((SENSOR[name], time, value, 0.0, 0.0, 0.0, 0.0, math.nan, math.nan))
+        rows = rows_of(measurements)
         if len(rows) > len(self._delivered):
             self._make_room(2 * len(rows))
         if rows:
             self._delivered[: len(rows)] = rows
+        self.delivered = self._in[1], len(rows)
         return len(rows)
+
+
+def rows_of(measurements: Measurements) -> list[tuple[float, ...]]:
+    """Return `measurements` by the rows of DELIVERED, those of the MRU first."""
+    mru = SENSOR["mru"]
+    rows: list[tuple[float, ...]] = [
+        (mru, one.time, one.heave, one.heave_rate, one.roll, one.pitch, one.status, *one[-2:])
+        for one in measurements.mru
+    ]
+    for name in SCALAR_SENSORS:
+        for time, value in measurements.of(name):
+            rows.append((SENSOR[name], time, value, 0.0, 0.0, 0.0, 0.0, math.nan, math.nan))
+    return rows

@@ -1,0 +1,34 @@
+// Proofs before the brake opens: see proofs.cpp, fit.cpp and brake.cpp.
+#pragma once
+
+#include "watch.h"
+
+namespace heave {
+
+// One signal on another: slope of the least squares, correlation of what is left of both, slope over its standard error.
+struct Fit {
+    double scale, correlation, certainty;
+};
+
+// fit.cpp: what a witness has read, and how it fits what it should have
+void add(const ProofDesign &design, WitnessRecord &record, double time, double value);
+bool add(const ProofDesign &design, Expected &expected, double time, double heave, const double *values);
+double spread_of_heave(const ProofDesign &design, const Expected &expected);
+bool reaches(const ProofDesign &design, const Expected &expected, const WitnessRecord &read);
+Fit fitted(const ProofDesign &design, const Expected &expected, int witness, const WitnessRecord &read, ProofWork &work);
+
+// brake.cpp: the braked drum by the load cell, and the count by its stated speed; they return bits of ProofNews
+int watch_braked(const ProofDesign &design, const ProofSeen &seen, double tension, ProofState &state);
+int check_count(const ProofDesign &design, const ProofSeen &seen, ProofState &state);
+void acknowledge_brake(ProofState &state);
+
+// proofs.cpp
+void begin_proofs(const ProofDesign &design, ProofState &state);
+void reset_proof(const ProofDesign &design, ProofState &state);
+int prove(const ProofDesign &design, const ProofSeen &seen, const Delivered *delivered, int count, ProofState &state,
+          ProofWork &work);
+void ask(ProofState &state, bool consent);
+bool is_closed(const ProofState &state);
+bool is_gate_closed(const ProofState &state);
+
+}  // namespace heave
