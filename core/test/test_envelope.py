@@ -761,15 +761,20 @@ def test_nothing_is_reported_to_keep_to_while_the_envelope_makes_the_order_itsel
 
 
 @pytest.mark.parametrize("wild", [4.0, -4.0, math.nan])
-def test_a_take_over_begins_at_the_last_order_sent_with_the_acceleration_of_the_drive(wild):
-    """The set-point stepped by up to 2 m/s, from the bound to the boom tip's rate."""
+def test_a_take_over_asks_a_drum_for_rest_or_for_its_acceleration_and_no_more(wild):
+    """The set-point stepped from the bound through rest to the boom tip's rate, by up to 2 m/s.
+
+    The speed v is that of the nominal drum to which the order comes, by its equation from all orders before.
+    """
     rig = Rig().settled()
-    begin = len(rig.orders)
+    begin, speed, largest = len(rig.orders), rig.tip[1], 0.0
     rig.run(12.0, wild)
-    speeds = [order.speed for order in rig.orders[begin - 1 :] if order.phase in (Phase.FREE, Phase.TAKEN)]
-    taken = [order.phase == Phase.TAKEN for order in rig.orders[begin:]].index(True)
-    assert np.max(np.abs(np.diff(speeds[taken:]))) <= WINCH["acceleration"] * DT + 1e-12
-    assert np.max(np.abs(speeds[taken + 1 :])) <= rig.orders[begin].rate_bound
+    for order in rig.orders[begin:]:
+        beyond = max(order.speed - max(speed, 0.0), min(speed, 0.0) - order.speed)
+        largest = max(largest, beyond if order.phase == Phase.TAKEN else 0.0)
+        step = (order.speed - speed) * -math.expm1(-DT / WINCH["lag"])
+        speed += min(max(step, -WINCH["acceleration"] * DT), WINCH["acceleration"] * DT)
+    assert 0.0 < largest <= WINCH["acceleration"] * (WINCH["lag"] + DT) + 2e-3  # and where the rig began
 
 
 @pytest.mark.parametrize("is_known", [True, False])
@@ -786,3 +791,16 @@ def test_a_drum_that_runs_under_orders_that_reverse_is_seen_where_the_drive_has_
     rig._move = lambda sent, *, braked: move(sent * (3.0 if rig.tick - begin > 4 else 1.0), braked=braked)
     orders = [rig.step(0.01 * np.interp(tick * DT, times, rates)) for tick in range(78)]
     assert (orders[-1].cause == Cause.DRUM) == is_known
+
+
+@pytest.mark.parametrize("follows", [True, False])
+def test_an_order_that_stays_near_its_bounds_is_taken_over_as_the_drum_fails_to_follow(follows):
+    """A law may stop a swinging load there; a loop that is lost, of a drive far slower than stated, is given up."""
+    rig = Rig()
+    rig.winch |= {} if follows else {"lag": 0.8}
+    rig.run(62.0, 0.0, brake=True, duty=float(Duty.OPERATE))
+    for tick in range(160):
+        last, wild = rig.orders[-1], math.copysign(9.0, math.sin(2.0 * math.pi * tick * DT / 3.0))
+        order = rig.step(min(max(wild, last.lowest), last.highest))
+    assert (order.cause == Cause.NOTHING) == follows
+    assert order.cause in (Cause.NOTHING, Cause.RATE, Cause.TRAVEL)

@@ -92,6 +92,10 @@ void enter(State &state, Phase phase, Cause cause, double value, double limit) {
     state.ramp = NOT_KNOWN;
 }
 
+double residual_limit(const Design &design, const State &state) {
+    return design.envelope.drum_margin + design.envelope.drum_share * state.drum_travel;
+}
+
 // A drum that does not do what was sent: brake at once, whoever makes the order.
 void watch_drum(const Design &design, State &state) {
     const Bounds &bounds = design.envelope;
@@ -99,7 +103,7 @@ void watch_drum(const Design &design, State &state) {
     const double stroke = stroke_limit(bounds, state);
     const bool runs = std::abs(state.runaway) > stroke;
     const double off = runs ? state.runaway : state.residual;
-    const double limit = runs ? stroke : bounds.drum_margin + bounds.drum_share * state.drum_travel;
+    const double limit = runs ? stroke : residual_limit(design, state);
     if (std::abs(off) > limit) enter(state, HELD, state.held.time > 0.0 ? BRAKE_SLIPS : DRUM, off, limit);
 }
 
@@ -154,29 +158,42 @@ double travel_by(const Design &design, const State &state, double about, double 
     return (about > 0.0 ? std::max(sent, counted) : std::min(sent, counted)) + reached * (winch.delay + winch.lag);
 }
 
-// Speed within the bounds [m/s]; notes which one acts.
-double bounded(const Design &design, State &state, const Limits &limits, const Asked &asked, double move, Order &order) {
+constexpr double NEAR = 0.95;  // of what a controller uses
+
+// Weight of an order for the time at a bound: one far outside counts for more, one that is kept just inside as the drum
+// fails to follow what is sent, r^2: a loop that is lost does not stay there, one that stops a swinging load may.
+double weight_of(const Design &design, const State &state, const Limits &limits, const Limits &usable, double about) {
+    const double fastest = about < 0.0 ? limits.in : limits.out, off = state.residual / residual_limit(design, state);
+    if (about < limits.lower || about > limits.upper) return std::max(std::abs(about) / std::max(fastest, 1e-3), 1.0);
+    return about < NEAR * usable.lower || about > NEAR * usable.upper ? off * off : 0.0;
+}
+
+// Speed within the bounds [m/s], of which a controller uses a part; notes which one acts.
+double bounded(const Design &design, State &state, const Limits &limits, const Limits &usable, const Asked &asked, double move,
+               Order &order) {
     const Bounds &bounds = design.envelope;
     const double about = asked.speed - move, kept = clip(about, limits.lower, limits.upper), dt = design.tick_period;
     const double fastest = about < 0.0 ? limits.in : limits.out;
-    const bool is_bound = kept != about, by_rate = std::abs(about) > fastest;
-    // an order far outside counts for more
-    const double weight = is_bound ? std::max(std::abs(about) / std::max(fastest, 1e-3), 1.0) : 0.0;
+    const bool is_bound = kept != about;
+    const bool by_rate = std::abs(about) > (is_bound ? fastest : NEAR * (about < 0.0 ? usable.in : usable.out));
+    const double weight = weight_of(design, state, limits, usable, about);
     state.bound += (weight - state.bound / bounds.bound_window) * dt;
-    if (!is_bound) return asked.speed;
-    state.bound_ticks += 1.0;
-    order.bits += by_rate ? AT_RATE : AT_TRAVEL;
-    order.value = about;
-    order.limit = about > 0.0 ? limits.upper : limits.lower;
+    if (is_bound) {
+        state.bound_ticks += 1.0;
+        order.bits += by_rate ? AT_RATE : AT_TRAVEL;
+        order.value = about;
+        order.limit = about > 0.0 ? limits.upper : limits.lower;
+    }
+    if (weight == 0.0) return asked.speed;
     if (state.bound > bounds.bound_time && by_rate) enter(state, TAKEN, RATE, about, fastest);
     else if (state.bound > bounds.bound_time) enter(state, TAKEN, TRAVEL, travel_by(design, state, about, move), limits.travel);
-    return move + kept;
+    return is_bound ? move + kept : asked.speed;
 }
 
 // Own order of a take-over: the asked move and the boom tip's raw rate, fading; where that did harm or must end, the
 // controller's. A load that is let go swings for minutes: the drum pays out with the stretch that the load cell shows
-// beyond its mean, v = c (F - mean F) / k, a dashpot in series with the cable. It begins at the last order sent, and goes on
-// at the acceleration of the drive.
+// beyond its mean, v = c (F - mean F) / k, a dashpot in series with the cable. The order leads the drum,
+// or rest, by no more than a (T + dt), which is all of its acceleration.
 double own_speed(const Design &design, const State &state, const Limits &limits, const Asked &asked, double move) {
     const Bounds &bounds = design.envelope;
     const double share = std::max(1.0 - state.phase_time / bounds.takeover_time, 0.0);
@@ -187,8 +204,10 @@ double own_speed(const Design &design, const State &state, const Limits &limits,
     const double stretch = (state.load - state.mean_load) / design.cable.stiffness;
     const double damping = has_load(design, state) ? bounds.damping_rate * stretch : 0.0;
     const double wanted = share * about + clip(damping, -bounds.rate_margin, bounds.rate_margin);
-    const double last = state.last_speed - move, step = design.winch.acceleration * design.tick_period;
-    return move + clip(clip(wanted, last - step, last + step), limits.lower, limits.upper);
+    const Winch &winch = design.winch;
+    const double now = state.prompt.rate - move, step = winch.acceleration * (winch.lag + design.tick_period);
+    const double kept = clip(wanted, std::min(now, 0.0) - step, std::max(now, 0.0) + step);
+    return move + clip(kept, limits.lower, limits.upper);
 }
 
 }  // namespace
@@ -234,6 +253,7 @@ void envelope(const Design &design, State &state, const Readings &readings, Orde
     if (!is_finite && state.phase == FREE) enter(state, stops ? RAMP : TAKEN, NOT_FINITE, NOT_KNOWN, NOT_KNOWN);
     const double share = state.phase == TAKEN ? std::max(1.0 - state.phase_time / bounds.takeover_time, 0.0) : 1.0;
     const Limits limits = limits_of(design, state, readings, ship, share, move);
+    const Limits usable = limits_of(design, state, readings, ship, share, move, bounds.used_share);
 
     double speed = asked.speed;
     bool brake = readings.brake != 0.0;
@@ -245,7 +265,7 @@ void envelope(const Design &design, State &state, const Readings &readings, Orde
         brake = brake || state.rest_time > bounds.stop_time;
     } else if (state.phase == FREE) {
         state.ramp = NOT_KNOWN;
-        if (!brake) speed = bounded(design, state, limits, asked, move, order);
+        if (!brake) speed = bounded(design, state, limits, usable, asked, move, order);
     }
     const double damped = has_load(design, state) ? bounds.damping_time : 0.0;
     if (state.phase == TAKEN && state.phase_time > bounds.takeover_time + damped) state.phase = RAMP;
@@ -271,10 +291,9 @@ void envelope(const Design &design, State &state, const Readings &readings, Orde
     order.phase = state.phase, order.cause = state.cause;
     order.rate_bound = limits.rate, order.travel_bound = limits.travel, order.move_rate = move;
     order.travel_sent = state.travel_sent, order.travel_count = state.travel_count;
-    order.residual = state.residual, order.residual_limit = bounds.drum_margin + bounds.drum_share * state.drum_travel;
+    order.residual = state.residual, order.residual_limit = residual_limit(design, state);
     order.speed = state.last_speed;
     const bool is_bounded = state.phase == FREE && !stops;
-    const Limits usable = limits_of(design, state, readings, ship, share, move, bounds.used_share);
     order.lowest = is_bounded ? set_point_of(design.winch, move + usable.lower) : -ANY;
     order.highest = is_bounded ? set_point_of(design.winch, move + usable.upper) : ANY;
 }

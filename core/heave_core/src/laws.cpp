@@ -119,7 +119,7 @@ void ask_constrained(const ActiveWinch &winch, const Law &law, const Problem &pr
 
 void ask_feedback(const ActiveWinch &winch, const Law &law, const Problem &problem, LawState &state) {
     const double share = unit_share(law, problem.x), largest = law.unit_share * std::min(winch.speed, problem.speed);
-    if (law.plans && are_near(winch, law, problem.x, std::abs(share) / largest, state))
+    if (law.plans && are_near(winch, law, problem.x, std::abs(share) / (law.unit_share * winch.speed), state))
         return ask_constrained(winch, law, problem, state);
     state.command = -dot(law.states, law.gain, problem.x) - share + clip(share, -largest, largest);
 }
