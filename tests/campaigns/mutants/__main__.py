@@ -24,8 +24,10 @@ from typing import Any, NamedTuple
 from heave_bringup.progress import ProgressLine
 
 from tests.campaigns.commit import commit_line
+from tests.campaigns.mutants import compiled, mutations
+from tests.campaigns.mutants.compiled import CompiledJudge
 from tests.campaigns.mutants.judge import ROOT, Judge, Verdict
-from tests.campaigns.mutants.mutations import Mutation, mutations_of
+from tests.campaigns.mutants.mutations import Mutation
 from tests.campaigns.mutants.subjects import SUBJECTS, Subject
 
 LEAST = 0.9
@@ -77,9 +79,19 @@ class Journal:
             file.write(json.dumps(entry) + "\n")
 
 
-def digests_of(judge: Judge, subject: Subject) -> Digests:
+def judge_of(subject: Subject) -> tuple[Judge | CompiledJudge, list[Mutation]]:
+    """Return who judges a `subject`, and every mutation of it."""
+    if subject.module.endswith(".cpp"):
+        of_file = CompiledJudge(*subject)
+        return of_file, compiled.mutations_of(of_file.source)
+    judge = Judge(*subject)
+    return judge, mutations.mutations_of(judge.source)
+
+
+def digests_of(judge: Judge | CompiledJudge, subject: Subject) -> Digests:
     """Return the digests of what a `judge` has of a `subject`."""
-    texts = [judge.source, Path(__file__).with_name("mutations.py").read_text(encoding="utf-8")]
+    rules = "compiled.py" if subject.module.endswith(".cpp") else "mutations.py"
+    texts = [judge.source, Path(__file__).with_name(rules).read_text(encoding="utf-8")]
     tests = [(ROOT / test).read_text(encoding="utf-8") for test in subject.tests]
     return Digests(_digest(texts), _digest([*texts, *tests]))
 
@@ -100,8 +112,8 @@ def try_subject(
     journal : of verdicts
     until : monotonic time from which on no further one is tried [s]
     """
-    judge = Judge(*subject)
-    every, digests = mutations_of(judge.source), digests_of(judge, subject)
+    judge, every = judge_of(subject)
+    digests = digests_of(judge, subject)
     tried: Tried = []
     has_learnt = False
     for mutation in chosen(every):
@@ -125,10 +137,12 @@ def table(results: dict[str, tuple[int, Tried]]) -> str:
     for name, (count, tried) in results.items():
         caught = sum(verdict.is_caught for _, verdict in tried)
         share = 100.0 * caught / len(tried)
-        what = f"{name}: {SUBJECTS[name].module.split('.')[-1]}"
+        module = SUBJECTS[name].module
+        is_compiled = module.endswith(".cpp")
+        what = f"{name}: {module if is_compiled else module.split('.')[-1]}"
         lines.append(f"{what:46}{count:8}{len(tried):7}{caught:8}{share:7.1f}")
-        file = SUBJECTS[name].module.replace(".", "/")
-        survivors += [f"{file}.py:{m}  ({v.outcome})" for m, v in sorted(tried, key=_line) if not v.is_caught]
+        file = module if is_compiled else f"{module.replace('.', '/')}.py"
+        survivors += [f"{file}:{m}  ({v.outcome})" for m, v in sorted(tried, key=_line) if not v.is_caught]
     return "\n".join([*lines, "", *survivors])
 
 

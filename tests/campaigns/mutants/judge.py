@@ -91,7 +91,7 @@ class Judge:
     def learn(self) -> None:
         """Run the tests without a mutation; raises RuntimeError where they fail."""
         begun = time.monotonic()
-        sound = _in_a_fork(lambda: self._run(None), 600.0)
+        sound = in_a_fork(lambda: self._run(None), 600.0)
         self._longest = 2.0 * (LONGEST_TEST + time.monotonic() - begun)
         if not isinstance(sound, Pass) or sound.status != 0:
             raise RuntimeError(f"{self._module}: its tests fail without a mutation: {sound}")
@@ -107,7 +107,7 @@ class Judge:
         lines = range(mutation.line, mutation.last_line + 1)
         if not any(reached.intersection(lines) for reached in self._sound.reached.values()):
             return Verdict("unreached")
-        found = _in_a_fork(lambda: self._run(mutation), self._longest)
+        found = in_a_fork(lambda: self._run(mutation), self._longest)
         if isinstance(found, Pass):
             return Verdict("survived") if found.status == 0 else Verdict("caught", found.failed or "import")
         return Verdict("hangs" if found is None else "caught", "" if found is None else "process")
@@ -225,7 +225,7 @@ def _tracer(lines: set[int], file: str) -> Callable[[FrameType, str, Any], Any]:
     return lambda frame, event, argument: of_line(frame, event, argument) if frame.f_code.co_filename == file else None
 
 
-def _in_a_fork(task: Callable[[], Any], longest: float) -> Any:
+def in_a_fork(task: Callable[[], Any], longest: float) -> Any:
     """Return what a task gives in a process of its own; None after `longest` [s], its exit status where it crashes."""
     ours, theirs = multiprocessing.Pipe(duplex=False)
     child = multiprocessing.get_context("fork").Process(target=_quietly, args=(task, theirs, os.getpid()))
