@@ -8,7 +8,7 @@ import pytest
 from heave_bringup.closed_loop import ClosedLoop, loop_parameters
 from heave_bringup.scenarios import load_scenario
 from heave_studies.promise.findings import is_suspicion
-from heave_studies.study.sensitivity import influences
+from heave_studies.study.summary import influences
 
 from tests.campaigns import promise
 from tests.campaigns.promise import (

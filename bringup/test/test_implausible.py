@@ -6,7 +6,7 @@ from heave_bringup.cli import main
 from heave_bringup.run.checks.files import check_files, check_rest
 from heave_bringup.scenarios import load_scenario
 from heave_node.parameters import ParameterError
-from heave_studies.operability.record import read_record
+from heave_studies.operability.seas import read_record
 from wave_vessel_node.vessel.rao import ResponseTable
 from wave_vessel_node.vessel.rao_files import write_rao_csv
 

@@ -17,7 +17,7 @@ from heave_bringup.nodes import NODE_BY_NAME
 from heave_bringup.scenarios import shipped_scenarios
 from heave_node.parameters import ParameterInfo, describe
 from heave_node.scenario import read_sections, sections_text
-from heave_studies.study.kept_files import MARK
+from heave_studies.study.case_file import FILE_MARK
 
 BOMBS: tuple[bytes, ...] = (
     b"a: &a [x, x, x]\n" + b"".join(b"k%d: &k%d [*a, *a, *a]\n" % (n, n) for n in range(30)),
@@ -172,7 +172,9 @@ def changed_table(chance: random.Random, path: Path) -> Path:
         same = pyarrow.DictionaryArray.from_arrays(pyarrow.array([0] * count, pyarrow.int32()), ["x" * 20_000])
         columns = {"case": pyarrow.array(range(count)), "scenario": same}
     rows = pyarrow.table(columns)
-    pyarrow.parquet.write_table(rows.replace_schema_metadata({MARK + key.encode(): json.dumps(kept).encode()}), path)
+    pyarrow.parquet.write_table(
+        rows.replace_schema_metadata({FILE_MARK + key.encode(): json.dumps(kept).encode()}), path
+    )
     if chance.random() < 0.3:
         content = bytearray(path.read_bytes())
         for _ in range(chance.randint(1, 20)):

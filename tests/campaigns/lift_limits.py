@@ -24,10 +24,9 @@ from heave_bringup.settings import Setting
 from heave_node.criteria import Criterion
 from heave_node.scenario import WILDCARD
 from heave_studies.lift.limits import phase_limits
-from heave_studies.lift.loop import Runs
 from heave_studies.lift.plan import WATER, Phase, Plan, read_plan
-from heave_studies.lift.plant import Way, cross, crossings
 from heave_studies.lift.response import HEIGHT, PhaseScene, phase_scene
+from heave_studies.lift.runs import Runs, Way, cross, crossings
 from heave_studies.operability.limits import CALM
 from heave_studies.study.study_file import find_study
 

@@ -35,7 +35,7 @@ from heave_node.kpi import WORSE_RATIO, WORSE_WINDOW, window_ratios
 from heave_node.numerics.arrays import Array
 from heave_studies.promise.deviation import TROUBLE
 from heave_studies.promise.findings import blamed_by, changes_in
-from heave_studies.study.sensitivity import FEWEST_CASES, influence_rows, influences
+from heave_studies.study.summary import FEWEST_CASES, influence_rows, influences
 from heave_studies.study.table import NOMINAL
 from heave_studies.study.workers import FAILURE
 

@@ -13,7 +13,7 @@ import pytest
 from heave_node.numerics.arrays import Array
 from heave_node.numerics.linear_model import LinearModel, interconnect, linear_model, output_sigma, with_feedback
 from heave_node.parameters import build_parameters
-from heave_studies.identification.cable_response import identify_simulated
+from heave_studies.identification import identify_simulated
 from winch_controller_node.model.blocks import PAYOUT_COMMAND, CableModel, cable_block, winch_block
 from winch_controller_node.model.lqr import QuadraticCost, lqr_gain
 from winch_controller_node.model.models import (

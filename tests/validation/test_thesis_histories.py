@@ -14,7 +14,7 @@ import pytest
 from cable_sim_node.vertical.axial import simulate_axial
 from heave_node.numerics.arrays import Array
 from heave_node.parameters import build_parameters
-from heave_studies.identification.cable import Identification, identify
+from heave_studies.identification import Identification, identify
 from scipy.integrate import trapezoid
 from scipy.signal import StateSpace, lsim
 from winch_controller_node.design.bounds import boom_tip_realisation

@@ -18,11 +18,10 @@ from heave_node.files.bounded_yaml import parse_yaml
 from heave_node.files.given_files import as_mapping, read_given, shipped_files
 from heave_node.parameters import ParameterError
 
-from heave_studies.accept.procedure_file import read_head
+from heave_studies.accept.procedure import read_head
 from heave_studies.accept.study import WHOLE, Acceptance, Parts
 from heave_studies.answers import acceptance, lift, promise
-from heave_studies.answers.answer import ANSWERS, Found, answer_of, asked_of, own_keys
-from heave_studies.answers.criteria import as_path
+from heave_studies.answers.answer import ANSWERS, Found, answer_of, as_path, asked_of, own_keys
 from heave_studies.lift.plan import read_plan
 from heave_studies.lift.study import Lift
 from heave_studies.promise.study import read_promise

@@ -17,9 +17,9 @@ from heave_devices.bench.real_winch import RealPart
 from heave_devices.bench.winch import run_winch
 from heave_devices.maps.device_map import device_map_of
 from heave_node.files.bounded_yaml import parse_yaml
-from heave_studies.accept import figures
+from heave_studies.accept import measured as figures
 from heave_studies.accept.measured import Nominal, of_winch
-from heave_studies.accept.procedure_file import Limits, read_head, read_procedure
+from heave_studies.accept.procedure import Limits, read_head, read_procedure
 from heave_studies.study.study_file import find_study
 from scipy.interpolate import CubicSpline
 from scipy.signal import lsim

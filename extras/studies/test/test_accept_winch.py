@@ -19,10 +19,10 @@ from heave_devices.bench.set_signal import Event, WinchTest
 from heave_devices.bench.winch import VirtualPart, run_winch
 from heave_node.criteria import Criterion
 from heave_node.parameters import ParameterError
-from heave_studies.accept import figures
+from heave_studies.accept import measured as figures
 from heave_studies.accept.measured import Measured, Nominal, of_winch
-from heave_studies.accept.parts.run import scenario_of
-from heave_studies.accept.procedure_file import amount, read_head, read_procedure
+from heave_studies.accept.procedure import amount, read_head, read_procedure
+from heave_studies.accept.runs import scenario_of
 from heave_studies.accept.study import Acceptance, Parts
 from heave_studies.study.engine import run_study
 from heave_studies.study.study_file import find_study

@@ -12,11 +12,10 @@ from heave_bringup.cli import main
 from heave_bringup.closed_loop import COLUMNS, LoopRecord
 from heave_studies.promise import cases, run, study
 from heave_studies.promise.ablation import ALL, part
-from heave_studies.promise.cases import KINDS, SCENARIOS, Case, draw
+from heave_studies.promise.cases import KINDS, SAFETY, SCENARIOS, STRAINS, Case, draw
 from heave_studies.promise.deviation import Chance, nominal
 from heave_studies.promise.figures import ablation_rows, broken, changes, figures_of
 from heave_studies.promise.findings import findings_of, warnings_of
-from heave_studies.promise.lifts import SAFETY, STRAINS
 from heave_studies.promise.run import Outcome, counted, judged, run_case
 from heave_studies.promise.table import DEVIATIONS, OPERATIONS, highest, sea_of
 

@@ -19,8 +19,7 @@ from heave_bringup.scenarios import shipped_scenarios
 from heave_node.parameters import ParameterError
 from heave_node.scenario import read_sections, sections_text
 from heave_studies.baseline import KEPT, read_kept
-from heave_studies.study.case_file import files_of, read_cases, scenario_of, split_reference, write_case
-from heave_studies.study.kept_files import MARK
+from heave_studies.study.case_file import FILE_MARK, files_of, read_cases, scenario_of, split_reference, write_case
 
 CONTENT = b"content of a file"
 DIGEST = hashlib.sha256(CONTENT).hexdigest()
@@ -46,7 +45,7 @@ def table(folder: Path, key: str = DIGEST, content: object = GOOD, files: str = 
     row = {"case": [1], "scenario": [sections_text(sections)], "files": [files or json.dumps({named: key})]}
     arrow = pyarrow.Table.from_pandas(pandas.DataFrame(row), preserve_index=False)
     value = content if isinstance(content, bytes) else json.dumps(content).encode()
-    arrow = arrow.replace_schema_metadata({MARK + key.encode(): value})
+    arrow = arrow.replace_schema_metadata({FILE_MARK + key.encode(): value})
     path = folder / "own.parquet"
     pyarrow.parquet.write_table(arrow, path)
     return path
@@ -137,7 +136,7 @@ def test_the_files_of_a_case_are_digests_by_path(tmp_path, files):
 
 
 def test_a_file_that_the_table_names_is_read_only_where_its_size_is_right(tmp_path, monkeypatch):
-    import heave_studies.study.kept_files as module  # noqa: PLC0415
+    import heave_studies.study.case_file as module  # noqa: PLC0415
 
     other = tmp_path / "large.csv"
     other.write_bytes(bytes(1000))

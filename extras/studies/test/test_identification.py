@@ -5,8 +5,13 @@ import math
 import numpy as np
 import pytest
 from heave_node.parameters import build_parameters
-from heave_studies.identification.cable import IdentificationError, identify, respond
-from heave_studies.identification.cable_response import identify_against_length, identify_simulated
+from heave_studies.identification import (
+    IdentificationError,
+    identify,
+    identify_against_length,
+    identify_simulated,
+    respond,
+)
 from scipy.integrate import solve_ivp
 from winch_controller_node.design.design import assumed_cable
 from winch_controller_node.node_parameters import WinchControllerParameters

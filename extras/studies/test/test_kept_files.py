@@ -14,11 +14,19 @@ import pytest
 from heave_bringup.cli import main
 from heave_bringup.scenarios import load_scenario
 from heave_node.parameters import ParameterError
-from heave_studies.study import cases, kept_files
-from heave_studies.study.case_file import files_of, read_cases, write_case, write_cases
+from heave_studies.study import case_file, cases
+from heave_studies.study.case_file import (
+    FILE_MARK,
+    digest_of,
+    files_of,
+    keep_files,
+    make_good,
+    read_cases,
+    write_case,
+    write_cases,
+)
 from heave_studies.study.cases import Cases
 from heave_studies.study.engine import run_study
-from heave_studies.study.kept_files import MARK, digest_of, keep_files, make_good
 from heave_studies.study.runs import CaseResult, Task, run_task
 from heave_studies.study.study_file import read_study
 
@@ -96,8 +104,8 @@ def test_a_file_is_in_the_table_once_and_no_fact_of_it(own_study, rao, tmp_path,
     output = pretended_table(own_study, tmp_path, monkeypatch)
     import pyarrow.parquet  # noqa: PLC0415
 
-    names = [name for name in pyarrow.parquet.read_schema(output).metadata if name.startswith(MARK)]
-    assert names == [MARK + digest_of(rao).encode()]
+    names = [name for name in pyarrow.parquet.read_schema(output).metadata if name.startswith(FILE_MARK)]
+    assert names == [FILE_MARK + digest_of(rao).encode()]
     frame, about = read_cases(output)
     assert not [name for name in about if "file" in name]
     assert files_of(output, 2)[0] == {str(rao): digest_of(rao)}
@@ -105,7 +113,7 @@ def test_a_file_is_in_the_table_once_and_no_fact_of_it(own_study, rao, tmp_path,
 
 
 def test_a_file_too_large_to_be_kept_is_known_by_its_digest(own_study, rao, tmp_path, monkeypatch):
-    monkeypatch.setattr(kept_files, "MOST_KEPT", 1000)
+    monkeypatch.setattr(case_file, "MOST_KEPT", 1000)
     output = pretended_table(own_study, tmp_path, monkeypatch)
     assert write_case(f"{output}:1", tmp_path / "mine.yaml")[1] == []
     rao.unlink()
@@ -142,7 +150,7 @@ def test_a_bag_is_kept_with_all_its_files_and_equal_ones_give_equal_bytes(tmp_pa
 
 def test_as_much_as_is_kept_can_be_read_by_anyone(tmp_path):
     large, small = tmp_path / "large.bin", tmp_path / "small.bin"
-    large.write_bytes(os.urandom(kept_files.MOST_KEPT - 20_000))  # which no packing shrinks
+    large.write_bytes(os.urandom(case_file.MOST_KEPT - 20_000))  # which no packing shrinks
     small.write_bytes(b"1")
     files = keep_files([str(large), str(small)])
     assert all(file.packed for file in files.values())

@@ -19,14 +19,12 @@ from heave_studies.lift.as_built import IN_PART, NOT_REACHED, as_built
 from heave_studies.lift.figures import GAUSSIAN, PLANNED, Motion, Place, Shape, Swing, expected_largest
 from heave_studies.lift.forecast import read_forecast, warnings, windows
 from heave_studies.lift.limits import Limit, PeriodLimits, largest_height, phase_limits, scaled
-from heave_studies.lift.loop import Compensated, Runs, swing_of
 from heave_studies.lift.plan import AIR, SURFACE, WATER, Plan, read_plan
-from heave_studies.lift.plant import cross, crossings, shape_of_tension
 from heave_studies.lift.response import OMEGAS, locked_places, phase_scene
-from heave_studies.lift.study import LiftStudy, limits_in
-from heave_studies.lift.tables import judged_rows, phase_table
+from heave_studies.lift.runs import Compensated, Runs, cross, crossings, shape_of_tension, swing_of
+from heave_studies.lift.study import LiftStudy, judged_rows, limits_in, phase_table
 from heave_studies.operability.limits import LOST_LIMIT
-from heave_studies.operability.record import SeaRecord, at_equal_steps
+from heave_studies.operability.seas import SeaRecord, at_equal_steps
 from heave_studies.study.study_file import find_study
 
 HEAD = 'scenario: unit_1500\nwanted: {dynamic_amplification: "<= 1.3"}\nphases:\n'

@@ -12,7 +12,6 @@ import pytest
 from heave_bags.analyse import kpi_set
 from heave_bringup.cli import main
 from heave_node.criteria import Criterion
-from heave_studies.operability.exposure import study_situations
 from heave_studies.operability.figures import limit_figure
 from heave_studies.operability.limits import (
     HEIGHT,
@@ -27,6 +26,7 @@ from heave_studies.operability.limits import (
     too_few_seeds,
     with_strengths,
 )
+from heave_studies.operability.seas import study_situations
 from heave_studies.study import cases as engine
 from heave_studies.study.runs import CaseResult, Task
 from scipy import stats

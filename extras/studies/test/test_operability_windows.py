@@ -9,15 +9,18 @@ import numpy as np
 import pandas
 import pytest
 from heave_node.parameters import ParameterError
-from heave_studies.operability.record import beyond_the_grid, read_record, workable, workable_share
-from heave_studies.operability.windows import (
+from heave_studies.operability.seas import (
+    beyond_the_grid,
     monthly_share,
     persistence,
     read_alpha,
+    read_record,
     spells,
     waiting_by_month,
     waiting_times,
     window_starts,
+    workable,
+    workable_share,
 )
 from hypothesis import given, settings
 from hypothesis import strategies as st

@@ -6,7 +6,7 @@ import pytest
 from heave_node.parameters import ParameterError
 from heave_studies.study.case_file import CASE, SCENARIO
 from heave_studies.study.sampling import Draws
-from heave_studies.study.sensitivity import influence_rows, influences, sobol_indices
+from heave_studies.study.summary import influence_rows, influences, sobol_indices
 from heave_studies.study.table import NOMINAL
 from heave_studies.study.workers import FAILURE
 from scipy import stats

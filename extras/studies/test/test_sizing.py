@@ -14,9 +14,19 @@ from heave_bringup.cli import main
 from heave_node.criteria import Criterion
 from heave_node.parameters import ParameterError
 from heave_studies.operability.limits import HEIGHT, PERIOD
-from heave_studies.sizing.candidates import PLACES, STOP, Candidate, as_link, candidates, own_winch
-from heave_studies.sizing.sheets import DUTY
-from heave_studies.sizing.study import Prices, even_seas, knees, size_winches
+from heave_studies.sizing import (
+    DUTY,
+    PLACES,
+    STOP,
+    Candidate,
+    Prices,
+    as_link,
+    candidates,
+    even_seas,
+    knees,
+    own_winch,
+    size_winches,
+)
 from heave_studies.study import cases as engine
 from heave_studies.study.runs import CaseResult, Task
 from hypothesis import given, settings

@@ -185,7 +185,7 @@ def test_what_the_drum_did_is_known_to_less_than_the_noise_of_its_encoder_though
 
 
 def test_the_speed_limits_of_a_winch_are_those_that_its_drum_has_shown_not_one_that_its_adviser_tries():
-    """At 0.55 m/s the drum reports its limit; the adviser tried 0.6 last. A limit that was not reached is believed."""
+    """At 0.55 m/s the drum reports its limit; the adviser tried 0.6 last. One not reached is that identified."""
     rates = np.clip(3.0 * RATE, -0.3, 0.55)
     given = tuple(
         Measurements(winch=WinchReading(float(t), 0.0, float(r), False, limits_hit=int(r == 0.55)))
@@ -198,7 +198,7 @@ def test_the_speed_limits_of_a_winch_are_those_that_its_drum_has_shown_not_one_t
     nominal = load_scenario("b2_calm_300").parameters["winch_controller"]
     tried = Beliefs(0, values={name: Belief(name, 0.6, 0.01, 9.0, 1) for name in ("winch.speed_out", "winch.speed_in")})
     winch = winch_under(tried, nominal, shown)
-    assert (winch.speed_limit, winch.hauling_speed_share) == pytest.approx((0.6, 1.0)), "hauling in it is believed"
+    assert (winch.speed_limit, winch.hauling_speed_share) == pytest.approx((0.6, 1.0)), "hauling in it was not reached"
     both = winch_under(tried, nominal, {1.0: 0.55, -1.0: 0.5})
     assert (both.speed_limit, both.hauling_speed_share) == pytest.approx((0.55, 0.5 / 0.55))
 

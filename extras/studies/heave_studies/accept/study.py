@@ -28,15 +28,12 @@ from heave_node.numerics.constants import LARGEST_STRAIN
 from heave_node.parameters import ParameterError
 from heave_node.scenario import sections_text
 
-from heave_studies.accept import figures
+from heave_studies.accept import measured as figures
 from heave_studies.accept.measured import Measured, Nominal, of_winch
-from heave_studies.accept.parts.record import ForeignRecord
-from heave_studies.accept.parts.run import run_loop, scenario_of
-from heave_studies.accept.procedure import RunTest, Step
-from heave_studies.accept.procedure_file import Head, read_procedure, refuse_late
+from heave_studies.accept.procedure import Head, RunTest, Step, read_procedure, refuse_late
 from heave_studies.accept.results import NOT_DONE, StepResult, digest_of, facts_of
-from heave_studies.study.case_file import CASE, FILES, SCENARIO
-from heave_studies.study.kept_files import KeptFile
+from heave_studies.accept.runs import ForeignRecord, run_loop, scenario_of
+from heave_studies.study.case_file import CASE, FILES, SCENARIO, KeptFile
 from heave_studies.study.workers import FAILURE, Job, Plain
 
 WHOLE = ""

@@ -14,13 +14,22 @@ from heave_bags.report.parts import table
 from heave_bringup.output import Part, make_table
 from heave_node.parameters import ParameterError
 
-from heave_studies.answers.answer import Ask, Found
-from heave_studies.answers.criteria import criteria_of_cases
+from heave_studies.answers.answer import Ask, Found, criteria_of_cases
 from heave_studies.study.case_file import CASE
 from heave_studies.study.plan import Study
 from heave_studies.study.sampling import SALTELLI
-from heave_studies.study.sensitivity import FEWEST_CASES, influence_rows, influences, sobol_indices
-from heave_studies.study.summary import case_table, left_out, remarks, summary_rows, summary_table, to_json
+from heave_studies.study.summary import (
+    FEWEST_CASES,
+    case_table,
+    influence_rows,
+    influences,
+    left_out,
+    remarks,
+    sobol_indices,
+    summary_rows,
+    summary_table,
+    to_json,
+)
 from heave_studies.study.table import SILENT, SILENT_START
 from heave_studies.study.workers import FAILURE
 

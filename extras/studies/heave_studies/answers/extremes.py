@@ -25,8 +25,7 @@ from heave_node.numerics.arrays import Array
 from heave_node.parameters import ParameterError
 from heave_node.sheet import Column, Sheet
 
-from heave_studies.answers.answer import Ask, Found
-from heave_studies.answers.criteria import first_scenario
+from heave_studies.answers.answer import Ask, Found, first_scenario
 from heave_studies.study.plan import Study
 from heave_studies.study.table import SEED, settings_of
 from heave_studies.study.workers import FAILURE

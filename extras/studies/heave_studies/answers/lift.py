@@ -20,24 +20,24 @@ from heave_bags.report.report import place_figure, unbroken
 from heave_bringup.output import Part, make_table, warn
 from heave_bringup.run.records import read_records
 
-from heave_studies.answers.answer import Ask, Found
-from heave_studies.answers.criteria import as_path
+from heave_studies.answers.answer import Ask, Found, as_path
 from heave_studies.lift.as_built import as_built
 from heave_studies.lift.forecast import allowed, read_forecast, warnings, windows
 from heave_studies.lift.limits import planned_curve
 from heave_studies.lift.plan import Plan
-from heave_studies.lift.study import LiftStudy, limits_in
-from heave_studies.lift.tables import (
+from heave_studies.lift.study import (
+    LiftStudy,
     Table,
     judged_rows,
     limit_table,
+    limits_in,
     phase_table,
     planned_state,
     summary,
     weather_table,
 )
 from heave_studies.operability.figures import HEIGHT_AXIS, PERIOD_AXIS, curve_traces
-from heave_studies.operability.record import HS
+from heave_studies.operability.seas import HS
 
 FOOTER = (
     "Limits hold while the unit hangs: locked by stochastic linearisation along the way, compensated by a run of the "

@@ -17,15 +17,29 @@ from heave_bringup.output import Part, make_table
 from heave_bringup.run.criteria import BASELINE_LAW, LAW
 from heave_node.parameters import ParameterError
 
-from heave_studies.answers.answer import Ask, Found
-from heave_studies.answers.criteria import as_path, check_seas, criteria_of, criteria_table
-from heave_studies.operability.bisection import Bisection
-from heave_studies.operability.exposure import Exposure, Place, Situation, exposure_json, study_situations
+from heave_studies.answers.answer import Ask, Found, as_path, check_seas, criteria_of, criteria_table
 from heave_studies.operability.figures import limit_figure, month_figure
-from heave_studies.operability.limits import HEIGHT, interval, limit_words, title_of, too_few_seeds, with_strengths
-from heave_studies.operability.record import SeaRecord, read_record
-from heave_studies.operability.windows import ALL, read_alpha
-from heave_studies.sizing.sheets import number
+from heave_studies.operability.limits import (
+    HEIGHT,
+    Bisection,
+    interval,
+    limit_words,
+    title_of,
+    too_few_seeds,
+    with_strengths,
+)
+from heave_studies.operability.seas import (
+    ALL,
+    Exposure,
+    Place,
+    SeaRecord,
+    Situation,
+    exposure_json,
+    read_alpha,
+    read_record,
+    study_situations,
+)
+from heave_studies.sizing import number
 from heave_studies.study.plan import Study, unlinked
 from heave_studies.study.workers import FAILURE
 

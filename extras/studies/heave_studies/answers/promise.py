@@ -11,8 +11,7 @@ from heave_bags.report.parts import table
 from heave_bringup.output import Part, make_table
 from heave_node.parameters import ParameterError
 
-from heave_studies.answers.answer import Ask, Found
-from heave_studies.answers.criteria import as_path
+from heave_studies.answers.answer import Ask, Found, as_path
 from heave_studies.promise.figures import PROMISED, ablation_rows, broken, changes, figure_rows, figures_of
 from heave_studies.promise.study import Promise
 from heave_studies.study.case_file import CASE, read_cases

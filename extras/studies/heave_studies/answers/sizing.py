@@ -18,8 +18,9 @@ from heave_node.loads.cycles import DAMAGE_EXPONENT, LEAST_RANGE
 from heave_node.parameters import ParameterError
 from heave_node.sheet import Sheet
 
-from heave_studies.answers.answer import Ask, Found
-from heave_studies.answers.criteria import (
+from heave_studies.answers.answer import (
+    Ask,
+    Found,
     as_path,
     check_seas,
     criteria_of,
@@ -27,11 +28,25 @@ from heave_studies.answers.criteria import (
     first_scenario,
 )
 from heave_studies.operability.limits import FEWEST_SEEDS, with_strengths
-from heave_studies.operability.record import SeaRecord, read_record
-from heave_studies.sizing.candidates import PARTICULARS, as_link, candidates, own_winch
-from heave_studies.sizing.figures import sweep_figure
-from heave_studies.sizing.sheets import ABILITY, BUYERS, DUTY, KNEES
-from heave_studies.sizing.study import ENOUGH, OF_THE_WINCH, Prices, Sized, even_seas, knees, size_winches
+from heave_studies.operability.seas import SeaRecord, read_record
+from heave_studies.sizing import (
+    ABILITY,
+    BUYERS,
+    DUTY,
+    ENOUGH,
+    KNEES,
+    OF_THE_WINCH,
+    PARTICULARS,
+    Prices,
+    Sized,
+    as_link,
+    candidates,
+    even_seas,
+    knees,
+    own_winch,
+    size_winches,
+    sweep_figure,
+)
 from heave_studies.study.plan import Study
 from heave_studies.study.workers import FAILURE
 

@@ -10,7 +10,7 @@ from heave_bringup.commands.arguments import add_settings
 from heave_bringup.errors import CommandError
 
 if TYPE_CHECKING:
-    from heave_studies.identification.cable import Identification
+    from heave_studies.identification import Identification
 
 SUMMARY = "Fit the second-order cable model a z'' + b z' + z = z0 - p to a simulated or recorded response."
 EXAMPLES = ("heave identify b3_deep_900 --drag quadratic",)
@@ -35,8 +35,7 @@ def execute(options: argparse.Namespace) -> None:
     from heave_node.numerics.compiled import is_compiled
     from winch_controller_node.model.lqr import DesignError
 
-    from heave_studies.identification.cable import IdentificationError
-    from heave_studies.identification.cable_response import draw_identification, identify_simulated
+    from heave_studies.identification import IdentificationError, draw_identification, identify_simulated
 
     check_output("--picture", options.picture, (".png", ".svg", ".pdf"), makes_folder=True)
     check_lengths("--lengths", options.lengths or ())
@@ -66,7 +65,7 @@ def _from_bag(path: Path, drag: str) -> Identification:
     from heave_bags.analyse.read_run import read_run
     from heave_bags.mcap.read.folder import bag_of
 
-    from heave_studies.identification.cable import identify
+    from heave_studies.identification import identify
 
     folder = bag_of(path)
     record = read_run(folder)
@@ -87,7 +86,7 @@ def _print_lengths(options: argparse.Namespace) -> None:
     from heave_bringup.output import write_result
     from heave_bringup.scenarios import load_scenario
 
-    from heave_studies.identification.cable_response import format_lengths, identify_against_length
+    from heave_studies.identification import format_lengths, identify_against_length
 
     scenario = load_scenario(options.source, settings=options.set)
     points = identify_against_length(

@@ -22,7 +22,7 @@ from heave_node.parameters import ParameterError
 
 from heave_studies.lift.limits import PeriodLimits, planned_curve
 from heave_studies.lift.plan import Phase, Plan
-from heave_studies.operability.record import HS, TP, SeaRecord, limit_at, read_record
+from heave_studies.operability.seas import HS, TP, SeaRecord, limit_at, read_record
 
 
 @dataclass(frozen=True)

@@ -16,10 +16,9 @@ from heave_node.loads.strength import ATTACHMENT, ROPE, WINCH_PULL
 from heave_node.parameters import ParameterError
 
 from heave_studies.lift.figures import GAUSSIAN, PLANNED, Capacity, Place, Places, Shape
-from heave_studies.lift.loop import Compensated, Runs, compensated, most_height
 from heave_studies.lift.plan import SURFACE, WATER, Phase, Plan
-from heave_studies.lift.plant import Way, cross, crossings, shape_of_tension
 from heave_studies.lift.response import PhaseScene, locked_places, phase_scene
+from heave_studies.lift.runs import Compensated, Runs, Way, compensated, cross, crossings, most_height, shape_of_tension
 from heave_studies.operability.limits import LOST_LIMIT
 
 NEAR_ENOUGH, NEAR_ENOUGH_RUN = 0.002, 0.02

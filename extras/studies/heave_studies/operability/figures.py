@@ -9,9 +9,8 @@ import numpy as np
 import pandas
 from heave_bags.report.figure import UNCOMPENSATED, UNIT, Figure
 
-from heave_studies.operability.exposure import Situation
 from heave_studies.operability.limits import limit_words, title_of
-from heave_studies.operability.record import HS, TP, SeaRecord
+from heave_studies.operability.seas import HS, TP, SeaRecord, Situation
 
 PERIOD_AXIS = {"title": {"text": "peak period Tp [s]"}}
 HEIGHT_AXIS = {"title": {"text": "significant wave height Hs [m]"}, "rangemode": "tozero"}

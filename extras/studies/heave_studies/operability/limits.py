@@ -3,10 +3,13 @@
 Between two heights a figure of merit is taken as linear. Below the smallest it goes to its value in a calm sea: an
 estimate, by which seas of a place are counted, and which is reported as a limit below the smallest height. Each
 seed has a limit of its own, and their spread is the confidence in the mean (Student's t), from FEWEST_SEEDS on.
+
+By bisection each seed's limit is enclosed ever closer, in the same waves at other heights.
 """
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass
@@ -20,7 +23,8 @@ from heave_node.loads.strength import FACTORS, LEAST, ROPE
 from heave_node.numerics.arrays import Array
 from scipy import stats
 
-from heave_studies.study.table import LOST, SEED, settings_of
+from heave_studies.study.plan import Case, More
+from heave_studies.study.table import LOST, SEED, alike, settings_of
 from heave_studies.study.workers import FAILURE
 
 HEIGHT, PERIOD = "system.sea.significant_wave_height", "system.sea.peak_period"
@@ -289,3 +293,46 @@ def _last_before(heights: Array, gone: Array) -> float:
 def title_of(name: str) -> str:
     """Return what limits, by the `name` of a figure of merit or `LOST_LIMIT`, in words."""
     return DEFINITION_OF[name].title if name in DEFINITION_OF else name
+
+
+@dataclass(frozen=True)
+class Bisection:
+    """Heights between those of the grid (`heave_studies.study.plan.Refinement`), compensated and locked."""
+
+    criteria: tuple[Criterion, ...]  # that are to hold
+    within: float  # distance of the two heights that enclose a limit, at most [m]
+
+    def size(self, cases: Sequence[Case]) -> int:
+        """Number of cases, at most: two limits for each seed, both in the widest step of the grid."""
+        heights = sorted({0.0, *(float(str(case.settings[HEIGHT])) for case in cases)})
+        widest = max(high - low for low, high in itertools.pairwise(heights))
+        rounds = max(math.ceil(math.log2(widest / self.within)), 0)
+        return len(cases) + 2 * rounds * len({(case.seed, *_but_height(case)) for case in cases})
+
+    def more(self, cases: Sequence[Case], frame: pandas.DataFrame) -> list[More]:
+        """Return the heights in the middle of where limits are known to be, by the `frame` of all `cases`."""
+        found: list[More] = []
+        criteria = with_strengths(frame, self.criteria)
+        for rows in alike(frame, HEIGHT):
+            part, first = frame.iloc[rows], cases[rows[0]]
+            heights = sorted(part[HEIGHT].to_numpy(dtype=float).tolist())
+            limits = [seed_limit(part, criteria, locked=locked).height for locked in (False, True)]
+            middles = {self._middle(heights, limit) for limit in limits} - {None}
+            found += [(first.seed, {**first.settings, HEIGHT: middle}) for middle in sorted(middles)]  # type: ignore[type-var]
+        return found
+
+    def _middle(self, heights: Sequence[float], limit: float) -> float | None:
+        """Return the middle of the two `heights` that enclose a `limit` [m]; None where they are near, or none is."""
+        above = next((height for height in heights if height > limit), None)
+        if above is None:
+            return None
+        below = max((height for height in heights if height <= limit), default=0.0)
+        return 0.5 * (below + above) if above - below > self.within * (1.0 + 1e-9) else None
+
+    def words(self, _: pandas.DataFrame) -> str:
+        """Return what was done, in a line."""
+        return f"limits of each seed by bisection, enclosed within {self.within:g} m of Hs in the same waves"
+
+
+def _but_height(case: Case) -> list[str]:
+    return [f"{name}={value}" for name, value in case.settings.items() if name != HEIGHT]

@@ -18,9 +18,8 @@ from heave_node.scenario import sections_text
 from heave_studies.promise.ablation import ALL, switched_off
 from heave_studies.promise.cases import KINDS, Case, draw
 from heave_studies.promise.run import run_case
-from heave_studies.study.case_file import CASE, FILES, SCENARIO
+from heave_studies.study.case_file import CASE, FILES, SCENARIO, KeptFile
 from heave_studies.study.cost import COST
-from heave_studies.study.kept_files import KeptFile
 from heave_studies.study.workers import FAILURE, Job, Plain
 
 KEYS = {"title", "promise", "draws", "without", "informed"}

@@ -15,8 +15,8 @@ from heave_node.numerics.arrays import Array
 from heave_node.parameters import ParameterError
 
 from heave_studies.batch.screening import screened_results, screening_jobs
-from heave_studies.study import search
-from heave_studies.study.kept_files import KeptFile, keep_files
+from heave_studies.study import sampling
+from heave_studies.study.case_file import KeptFile, keep_files
 from heave_studies.study.plan import Case, Study, unlinked
 from heave_studies.study.runs import Task, make_tasks, result_of, run_task
 from heave_studies.study.table import SILENT, case_frame
@@ -33,9 +33,9 @@ class Cases:
 
     def __post_init__(self) -> None:
         if self.study.search is not None:
-            search.load_cma()
-            if self.study.draws is None or self.study.draws.count < search.LEAST_POPULATION:
-                raise ParameterError(f"{self.study.path}: draw.count must be at least {search.LEAST_POPULATION}")
+            sampling.load_cma()
+            if self.study.draws is None or self.study.draws.count < sampling.LEAST_POPULATION:
+                raise ParameterError(f"{self.study.path}: draw.count must be at least {sampling.LEAST_POPULATION}")
         self._first = make_tasks(self.study, list(self.study.cases()))
 
     @property
@@ -89,7 +89,7 @@ class Cases:
         def values() -> Array:
             return np.array([_figure(results[task.case.number], wanted.figure) for task in last])
 
-        for points in search.generations(draws, wanted.runs, values):
+        for points in sampling.generations(draws, wanted.runs, values):
             if last:
                 made = [unlinked(draws.at(point)) for point in points]
                 cases = [Case(len(self._tasks) + n, self.study.seeds[0], one) for n, one in enumerate(made, 1)]

@@ -1,8 +1,9 @@
-"""A study from its plan to its table: jobs that have a result already are not run again."""
+"""A study from its plan to its table: jobs that have a result already, in its journal, are not run again."""
 
 from __future__ import annotations
 
 import hashlib
+import json
 import sys
 import time
 from collections.abc import Iterator, Mapping
@@ -13,11 +14,10 @@ from typing import Protocol
 import pandas
 from heave_bags.record.provenance import git_commit, versions
 from heave_bringup.progress import ProgressLine, time_to_go
+from heave_node.parameters import ParameterError
 
-from heave_studies.study.case_file import check_can_write, read_cases, write_cases
+from heave_studies.study.case_file import KeptFile, check_can_write, read_cases, write_cases
 from heave_studies.study.cost import write_cost
-from heave_studies.study.journal import Journal, refuse_other
-from heave_studies.study.kept_files import KeptFile
 from heave_studies.study.workers import FAILURE, Job, Plain, Run, workers
 
 TABLE, CSV, PAGE, PDF, JOURNAL = "table.parquet", "table.csv", "page.html", "page.pdf", "journal.jsonl"
@@ -125,3 +125,72 @@ def _saying_what_is_kept(journal: Journal, results: Mapping[int, Plain]) -> Iter
                 f"heave: {len(results)} cases are kept in {journal.path}: the same command goes on there\n"
             )
         raise
+
+
+def refuse_other(path: Path, found: Mapping[str, str], wanted: Mapping[str, str]) -> None:
+    """Raise ParameterError where the results at `path` are not of the study that is to be run.
+
+    Parameters
+    ----------
+    path : of the file
+    found, wanted : its header, and what that should be
+    """
+    if any(found.get(name) != value for name, value in wanted.items()):
+        raise ParameterError(
+            f"{path}: holds results of another study, or of another version of the program: remove it to start "
+            "again, or name another folder (--output)"
+        )
+
+
+class Journal:
+    """Keeps results as lines of JSON, each written at once; a context manager.
+
+    Parameters
+    ----------
+    path : of the file
+    mark : of its study
+
+    Attributes
+    ----------
+    results : found in the file, by number
+
+    Raises ParameterError for a file of another study.
+    """
+
+    def __init__(self, path: Path, mark: Mapping[str, str]) -> None:
+        self.path = path
+        self.results: dict[int, Plain] = {}
+        kept = self._read(mark) if path.exists() else []
+        self._file = path.open("w", encoding="utf-8")
+        for line in (json.dumps(mark), *kept):
+            self._file.write(line + "\n")
+        self._file.flush()
+
+    def __enter__(self) -> Journal:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._file.close()
+
+    def _read(self, mark: Mapping[str, str]) -> list[str]:
+        """Return the whole lines of results; the last one may have been cut off by what ended the study."""
+        head, *lines = self.path.read_text(encoding="utf-8").split("\n")
+        try:
+            found = dict(json.loads(head))
+        except (ValueError, TypeError):
+            found = {}
+        refuse_other(self.path, found, mark)
+        for line in lines[:-1]:
+            number, result = json.loads(line)
+            self.results[number] = result
+        return lines[:-1]
+
+    def keep(self, number: int, result: Plain) -> None:
+        """Keep the `result` of the job of a `number`: after this it is on the disk."""
+        self._file.write(json.dumps([number, result]) + "\n")
+        self._file.flush()
+
+    def remove(self) -> None:
+        """Remove the file: the table holds everything."""
+        self._file.close()
+        self.path.unlink()

@@ -64,7 +64,7 @@ class Task:
 
     @property
     def values(self) -> str:
-        """All active values, in a form that is quick to make: it tells one case from another."""
+        """All active values, in a form that is quick to make: it distinguishes one case from another."""
         one = self.scenario
         return repr((one.run, dict(one.parameters), one.wanted, dict(one.quality_of_service), one.changed))
 

@@ -11,8 +11,7 @@ import pandas
 from heave_bags.analyse import kpi_set
 from heave_bringup.scenarios import named_files
 
-from heave_studies.study.case_file import CASE, FILES, SCENARIO
-from heave_studies.study.kept_files import KeptFile
+from heave_studies.study.case_file import CASE, FILES, SCENARIO, KeptFile
 from heave_studies.study.runs import CaseResult, Task
 from heave_studies.study.workers import FAILURE
 

@@ -141,8 +141,8 @@ AT_LIMIT = 10
 def speeds_shown(record: SensorRecord, encoder_scale: float) -> dict[float, float]:
     """Return the speed limits [m/s] that the drum of a `record` has shown, by direction: 1 pays out, -1 hauls in.
 
-    They are the medians of its rate where the winch reports to be at its limit: what an adviser believes may be a limit
-    on trial. `encoder_scale` is reading over payout [-].
+    They are the medians of its rate where the winch reports to be at its limit: one that an adviser has identified may
+    be on trial. `encoder_scale` is reading over payout [-].
     """
     rate = np.array([math.nan if one.winch is None else one.winch.encoder_payout_rate for one in record.measurements])
     at_limit = rate[(record.limits_hit & WinchLimit.SPEED) != 0] / encoder_scale
@@ -159,7 +159,7 @@ def winch_under(
     ----------
     beliefs : of the adviser, about the nominal winch
     nominal : parameters of the controller, which name that
-    shown : speed limits that the drum has shown, as `speeds_shown` gives them; they come before what is believed
+    shown : speed limits that the drum has shown, as `speeds_shown` gives them; they come before those identified
     """
     assumed = {name: belief.value for name, belief in beliefs.values.items()}
     drum, winch = drum_of(nominal.winch, assumed), nominal.winch
