@@ -4,7 +4,7 @@ import re
 from dataclasses import replace
 
 import pytest
-from cable_sim_node.winch.choice import make_drive
+from cable_sim_node.winch.component import make_drive
 from heave_bringup.closed_loop import ClosedLoop, loop_parameters
 from heave_bringup.scenarios import load_scenario
 from heave_node.interface.alarm import alarms_in

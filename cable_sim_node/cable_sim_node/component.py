@@ -18,13 +18,12 @@ from heave_node.numerics.kinematics import PointMotion
 from heave_node.sensing.sensor import Sensor
 
 from cable_sim_node.errors import BadMotionError, PlantError
-from cable_sim_node.inputs import BridgedInput, is_finite
+from cable_sim_node.inputs import BridgedInput, ShadowPayout, is_finite
 from cable_sim_node.line.dynamics import CableDynamics
 from cable_sim_node.node_parameters import CableSimNodeParameters
 from cable_sim_node.physics.seabed import Seabed
 from cable_sim_node.sensors.instruments import SensorTruth
 from cable_sim_node.sensors.suite import RopePath, SensorReadings, SensorSuite
-from cable_sim_node.shadow import ShadowPayout
 from cable_sim_node.vertical.linear_plant import LinearPlant
 
 Dynamics = CableDynamics | LinearPlant

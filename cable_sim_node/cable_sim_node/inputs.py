@@ -10,6 +10,7 @@ the first value is closed in the same way, where it is large enough to be felt.
 from __future__ import annotations
 
 import math
+from typing import TypeVar
 
 import numpy as np
 from heave_node.numerics.arrays import Array
@@ -24,6 +25,20 @@ FELT_GAP_RATE = 0.1
 
 LONGEST_EXTRAPOLATION = 0.5
 """A value older than this is missing [s]."""
+
+
+FOLLOWING_TIME = 1.0
+"""Time constant with which the payout of the shadow plant follows the programme, critically damped [s]."""
+
+Gap = TypeVar("Gap", float, Array)
+"""Of a number, or of each axis."""
+
+
+def closed(gap: Gap, rate: Gap, duration: float, time_constant: float) -> tuple[Gap, Gap]:
+    """Return what is left of a `gap` and of its `rate` after a `duration` [s] of critically damped closing."""
+    decay = math.exp(-duration / time_constant)
+    slope = rate + gap / time_constant
+    return (gap + slope * duration) * decay, (rate - slope * duration / time_constant) * decay
 
 
 def is_finite(motion: PointMotion) -> bool:
@@ -129,10 +144,30 @@ class BridgedInput:
             self._gap = np.zeros_like(self._gap)
             self._gap_rate = np.zeros_like(self._gap)
             return np.zeros_like(self._gap)
-        dt = self._tick_period
-        decay = math.exp(-dt / CLOSING_TIME)
-        slope = self._gap_rate + self._gap / CLOSING_TIME
-        gap = (self._gap + slope * dt) * decay
-        rate = (self._gap_rate - slope * dt / CLOSING_TIME) * decay
-        self._gap, self._gap_rate = gap, rate
+        gap, rate = self._gap, self._gap_rate = closed(self._gap, self._gap_rate, self._tick_period, CLOSING_TIME)
         return -2.0 * rate / CLOSING_TIME - gap / CLOSING_TIME**2
+
+
+class ShadowPayout:
+    """Payout of the shadow plant, whose winch does not compensate: it follows a programme smoothly, or stays.
+
+    Parameters
+    ----------
+    tick_period : [s]
+
+    Attributes
+    ----------
+    payout, rate : [m], [m/s]
+    """
+
+    def __init__(self, *, tick_period: float) -> None:
+        self.payout = 0.0
+        self.rate = 0.0
+        self._tick_period = tick_period
+
+    def advance(self, programme: float | None) -> None:
+        """Advance by a tick towards `programme` [m]; None or NaN holds the last one."""
+        if programme is None or not math.isfinite(programme):
+            programme = self.payout + self.rate * FOLLOWING_TIME  # ends the motion as a critically damped system does
+        gap, self.rate = closed(self.payout - programme, self.rate, self._tick_period, FOLLOWING_TIME)
+        self.payout = programme + gap

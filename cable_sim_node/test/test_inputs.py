@@ -7,8 +7,7 @@ import math
 import numpy as np
 import pytest
 from cable_sim_node.alarms import ALARMS
-from cable_sim_node.inputs import CLOSING_TIME, LONGEST_EXTRAPOLATION, BridgedInput, NewestMotion
-from cable_sim_node.shadow import ShadowPayout
+from cable_sim_node.inputs import CLOSING_TIME, LONGEST_EXTRAPOLATION, BridgedInput, NewestMotion, ShadowPayout
 from heave_node.numerics.kinematics import PointMotion
 
 TICK = 0.05

@@ -99,9 +99,11 @@ def window_ratios(
         return np.empty(0), np.empty(0)
     count, first = round(WORSE_WINDOW / period), int(np.searchsorted(times, begin))
     starts = np.arange(first, times.size - count + 1, max(1, round(1.0 / period)))
+    if not starts.size:
+        return np.empty(0), np.empty(0)
     deviations = [
-        np.array([sigma(values[start : start + count]) for start in starts])
-        for values in (np.asarray(unit, dtype=float), np.asarray(uncompensated, dtype=float))
+        np.lib.stride_tricks.sliding_window_view(np.asarray(values, dtype=float), count)[starts].std(axis=1)
+        for values in (unit, uncompensated)
     ]
     with np.errstate(divide="ignore", invalid="ignore"):
         return times[starts], deviations[0] / np.maximum(deviations[1], floor)

@@ -32,10 +32,9 @@ from cable_sim_node.line.observation import observe, snapshot
 from cable_sim_node.line.rest.hanging import hang, refuse_floating
 from cable_sim_node.line.rest.settling import hold_here, hold_strains, settle
 from cable_sim_node.line.step import advance
-from cable_sim_node.parameters import CableSimParameters
+from cable_sim_node.parameters import CableSimParameters, WaveKinematicsParameters
 from cable_sim_node.physics.properties import unit_properties
 from cable_sim_node.physics.seabed import Seabed
-from cable_sim_node.physics.waves import regular_waves
 
 
 class CableDynamics:
@@ -59,7 +58,7 @@ class CableDynamics:
         _check_seabed(parameters)
         self._seabed = Seabed(parameters.seabed)
         self._line = build_line(parameters, 2.0 * parameters.length)
-        self._waves = regular_waves(parameters.wave)
+        self._waves = _regular_waves(parameters.wave)
         self._fresh = False
 
     def start_at_equilibrium(self, boom_tip_position: ArrayLike, payout: float = 0.0, *, time: float = 0.0) -> None:
@@ -394,3 +393,11 @@ def _check_seabed(parameters: CableSimParameters) -> None:
     depth = parameters.seabed.depth
     if 0.0 < depth < 0.5 * parameters.length / parameters.segments:
         raise ParameterError(f"seabed.depth = {depth:g} m is less than half a segment: there is no room for the line")
+
+
+def _regular_waves(wave: WaveKinematicsParameters) -> Waves:
+    """Return the regular `wave`, whose crests pass the origin at time 0; none for another source."""
+    if wave.source != "regular" or wave.amplitude == 0.0:
+        return NO_WAVES
+    omega = np.array([2.0 * math.pi / wave.period])
+    return Waves(omega, omega, np.array([wave.amplitude]), np.zeros(1), np.array([wave.direction]))

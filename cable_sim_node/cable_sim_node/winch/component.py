@@ -49,16 +49,16 @@ from typing import NamedTuple
 
 from heave_node.interface.codes import WinchFault, WinchLimit, WinchRelease
 from heave_node.interface.faults import FaultSchedule, FaultyValues
+from heave_node.parameters import ParameterError
 from heave_node.sensing.quantisation import quantised
 from heave_node.winch.fault_latch import FaultLatch
 from heave_node.winch.motion_supervision import DrumReading, MotionSupervision
 
-from cable_sim_node.winch.choice import make_drive
 from cable_sim_node.winch.command_line import CommandLine, WinchCommand, round_to_tick
 from cable_sim_node.winch.drives.interface import Drive, DriveCommand, DriveState
 from cable_sim_node.winch.drives.speed_servo import SpeedServo
 from cable_sim_node.winch.faulty_drum import FaultyDrum
-from cable_sim_node.winch.installed_drives import SERVO
+from cable_sim_node.winch.installed_drives import SERVO, installed_drives
 from cable_sim_node.winch.parameters import EncoderParameters, WinchParameters
 
 
@@ -352,3 +352,27 @@ class VirtualWinch:
             fault=self.latch.fault,
             release=self.latch.waits_for(is_at_rest=self._mode in _AT_REST),
         )
+
+
+def make_drive(parameters: WinchParameters, tension: float) -> Drive:
+    """Return the drive of a winch, at rest under a tension.
+
+    Parameters
+    ----------
+    parameters : the winch; its limits, payout range and position gain are the drive's
+    tension : at the drum [N]
+
+    Raises
+    ------
+    ParameterError : the drive is too weak for that tension.
+    """
+    name = parameters.drive
+    if name == SERVO:
+        return SpeedServo(parameters)
+    try:
+        driven: Drive = installed_drives()[name].make(parameters, getattr(parameters, name), tension)
+    except ValueError as error:
+        raise ParameterError(
+            f"drive = {name} cannot hold the cable's {tension:.0f} N at the start: {error}; make it stronger"
+        ) from error
+    return driven
