@@ -23,6 +23,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from datetime import datetime, timezone
+from functools import partial
 
 from heave_node.interface.codes import MruStatus
 
@@ -134,15 +135,10 @@ def _phoct(fields: Fields, _: Quality) -> Sample:
 _PNORSUB = {2: ("roll", _DEGREE), 3: ("pitch", -_DEGREE), 4: ("heading", _DEGREE), 5: ("heave", -1.0)}
 
 
-def _pnorsub(fields: Fields, _: Quality) -> Sample:
-    return _norsub("PNORSUB", fields, _PNORSUB, 6)
+_PNORSUB2 = {**_PNORSUB, 6: ("heave_rate", -1.0)}
 
 
-def _pnorsub2(fields: Fields, _: Quality) -> Sample:
-    return _norsub("PNORSUB2", fields, {**_PNORSUB, 6: ("heave_rate", -1.0)}, 7)
-
-
-def _norsub(kind: str, fields: Fields, table: Mapping[int, tuple[str, float]], status: int) -> Sample:
+def _pnorsub(fields: Fields, _: Quality, *, kind: str, table: Mapping[int, tuple[str, float]], status: int) -> Sample:
     values = _given(fields, table)
     bad = frozenset() if int(fields[status]) & 1 else frozenset(values)
     return _without(kind, values, bad, time=int(fields[0]) * 1e-3, time_base=TimeBase.COUNTER)
@@ -168,8 +164,8 @@ SENTENCES: Mapping[str, Callable[[Fields, Quality], Sample | None]] = {
     "PSXN": _psxn,
     "PASHR": _pashr,
     "PHOCT": _phoct,
-    "PNORSUB": _pnorsub,
-    "PNORSUB2": _pnorsub2,
+    "PNORSUB": partial(_pnorsub, kind="PNORSUB", table=_PNORSUB, status=6),
+    "PNORSUB2": partial(_pnorsub, kind="PNORSUB2", table=_PNORSUB2, status=7),
     "PENCR": _pencr,
     "ZDA": _zda,
 }

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -35,6 +35,10 @@ class Taken:
     values: dict[str, float] = field(default_factory=dict)  # by quantity, SI units, the suite's signs
     invalid: set[str] = field(default_factory=set)  # quantities of the map that the device calls invalid
     status: MruStatus = MruStatus.OK  # whether the motion has settled
+
+    def has_any(self, names: Iterable[str]) -> bool:
+        """Return whether it holds one of the quantities called `names`, or calls it invalid."""
+        return any(name in self.values or name in self.invalid for name in names)
 
 
 class Recent:
