@@ -14,6 +14,8 @@ from heave_node.files.units import UNITS
 from heave_devices.maps.quantities import QUANTITIES
 
 EULER_PARTS = ("roll", "pitch", "yaw")
+GOOD_WORDS = ("true", "valid", "ok", "good", "yes", "a", "y", "t")
+"""Words that call a sample valid, in any case."""
 DEFAULT_CUT_OFF = 2.0 * math.pi / 40.0
 """Motion slower than this is taken out when acceleration is integrated [rad/s]: no sea is slower."""
 
@@ -98,7 +100,7 @@ class Channel:
         if self.valid_values:
             return status in self.valid_values
         if isinstance(status, str):
-            return status.lower() in ("true", "valid", "ok", "good", "yes", "a", "y", "t")
+            return status.lower() in GOOD_WORDS
         if not math.isfinite(status):
             return False
         return not int(status) & self.invalid_bits if self.invalid_bits else status != 0.0
