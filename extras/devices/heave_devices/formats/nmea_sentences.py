@@ -59,6 +59,18 @@ def _without(kind: str, values: Mapping[str, float], bad: frozenset[str], **rest
     )
 
 
+_PSXN = {
+    "PSXN22": {1: ("gyro_calibration", _DEGREE), 2: ("gyro_offset", _DEGREE)},
+    "PSXN23": {1: ("roll", _DEGREE), 2: ("pitch", -_DEGREE), 3: ("heading", _DEGREE), 4: ("heave", -1.0)},
+    "PSXN24": {
+        1: ("roll_rate", _DEGREE),
+        2: ("pitch_rate", -_DEGREE),
+        3: ("yaw_rate", -_DEGREE),
+        4: ("heave_rate", -1.0),
+    },
+}
+
+
 def _psxn(fields: Fields, quality: Quality) -> Sample | None:
     kind = f"PSXN{int(fields[0])}"
     if kind == "PSXN20":
@@ -67,19 +79,9 @@ def _psxn(fields: Fields, quality: Quality) -> Sample | None:
         names += ("roll", "pitch", "roll_rate", "pitch_rate") if turns >= 2 else ()
         quality.invalid = frozenset(names)
         return Sample(kind, {"height_quality": float(heights), "attitude_quality": float(turns)})
-    tables = {
-        "PSXN22": {1: ("gyro_calibration", _DEGREE), 2: ("gyro_offset", _DEGREE)},
-        "PSXN23": {1: ("roll", _DEGREE), 2: ("pitch", -_DEGREE), 3: ("heading", _DEGREE), 4: ("heave", -1.0)},
-        "PSXN24": {
-            1: ("roll_rate", _DEGREE),
-            2: ("pitch_rate", -_DEGREE),
-            3: ("yaw_rate", -_DEGREE),
-            4: ("heave_rate", -1.0),
-        },
-    }
-    if kind not in tables:
+    if kind not in _PSXN:
         return None
-    return _without(kind, _given(fields, tables[kind]), quality.invalid)
+    return _without(kind, _given(fields, _PSXN[kind]), quality.invalid)
 
 
 _PASHR = {
@@ -170,6 +172,14 @@ SENTENCES: Mapping[str, Callable[[Fields, Quality], Sample | None]] = {
     "ZDA": _zda,
 }
 """Decoder of each sentence, by name without `$`. None, or an exception: the sentence is unknown, or malformed."""
+_TABLES = {**_PSXN, "PASHR": _PASHR, "PHOCT": _PHOCT, "PNORSUB": _PNORSUB, "PNORSUB2": _PNORSUB2}
+FIELDS: Mapping[str, tuple[str, ...]] = {
+    "PSXN20": ("height_quality", "attitude_quality"),
+    **{kind: tuple(name for name, _ in table.values()) for kind, table in _TABLES.items()},
+    "PENCR": tuple(f"{name}_{index}" for index in range(1, 6) for name in ("angle", "extension")),
+    "ZDA": (),
+}
+"""Fields of each sentence, by its name."""
 WITHOUT_CHECKSUM = frozenset(["PENCR"])
 """Sentences that their makers send without a checksum."""
 UNSIGNED = {
