@@ -176,7 +176,7 @@ def _of_extra(node: str, kind: str, detail: str, source: str) -> list[str]:
 
 
 def external_settings(texts: Sequence[str], source: str = "") -> list[Setting]:
-    """Return the changes by which real parts take the places of simulated ones.
+    """Return the changes by which real parts take the places of simulated ones, and the controller expects latencies.
 
     Parameters
     ----------
@@ -187,4 +187,11 @@ def external_settings(texts: Sequence[str], source: str = "") -> list[Setting]:
     names = [text.partition("=")[0] for text in texts]
     clocks = [text for text in texts if "=" in text]
     given = {"external": names, "external_clocks": clocks}
-    return [Setting(WILDCARD, name, value, source) for name, value in given.items() if value]
+    found = [Setting(WILDCARD, name, value, source) for name, value in given.items() if value]
+    late = {place: stamping.latency for place, stamping in map(parse_clock, clocks) if stamping.latency}
+    return found + [
+        Setting("winch_controller", f"sensors.{sensor.name}.latency", late[place], source)
+        for sensor in SENSORS.values()
+        for place in (sensor.topic.name, sensor.topic.publisher)
+        if place in late
+    ]

@@ -3,6 +3,7 @@
 import pytest
 from heave_bringup.cli import main
 from heave_bringup.errors import ExitStatus
+from heave_bringup.replacements import external_settings
 from heave_bringup.run.checks.waves import check_waves
 from heave_bringup.scenarios import load_scenario
 from heave_node.parameters import ParameterError
@@ -49,3 +50,10 @@ def test_a_parameter_of_a_node_that_is_replaced_is_said_to_have_no_reader(tmp_pa
     assert main(["run", "b2_calm_300", *options, "--set", unread, "--set", read]) == ExitStatus.REFUSED
     warning, _ = capsys.readouterr().err.splitlines()
     assert warning == f"heave: warning: --set {unread}: cable_sim is replaced and does not read it"
+
+
+def test_a_latency_that_is_declared_is_expected_by_the_controller_of_each_sensor_of_the_node():
+    """Taken off the stamps alone it made readings late: those of an MRU from three sampling intervals on."""
+    given = external_settings(["wave_vessel=none:0.15", "winch/load_cell=own"])
+    latencies = {setting.place: setting.value for setting in given if setting.name.endswith("latency")}
+    assert latencies == {"winch_controller.sensors.mru.latency": 0.15}

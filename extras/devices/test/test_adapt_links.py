@@ -10,7 +10,7 @@ from contextlib import ExitStack
 import pytest
 import serial
 from heave_bringup.errors import CommandError
-from heave_devices.adapt.links import LinkReader, sender
+from heave_devices.adapt.links import LinkReader
 from heave_devices.maps.link import Link
 
 
@@ -165,7 +165,7 @@ def test_a_sender_sends_datagrams_where_the_map_says():
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as winch:
         winch.bind(("127.0.0.1", 0))
         winch.settimeout(10.0)
-        out = sender(Link("udp", "127.0.0.1", winch.getsockname()[1]))
+        out = LinkReader(Link("udp", "127.0.0.1", winch.getsockname()[1]), None)
         out.send(b"$W,1\r\n")
         assert winch.recv(100) == b"$W,1\r\n"
         out.close()

@@ -34,6 +34,21 @@ def test_a_sample_that_is_called_invalid_is_never_used():
     assert taker.counters.invalid == 1
 
 
+@pytest.mark.parametrize(
+    ("kind", "content", "field"),
+    [
+        ("MODBUS", {"source": {"modbus": "1"}}, "input:4"),
+        ("DATAGRAM", {"format": "datagram", "layout": {"place": "int32", "status": "uint16"}}, "status"),
+    ],
+)
+def test_one_bit_of_a_status_calls_a_sample_valid(kind, content, field):
+    """Bit 2 of 0b0110 and of 0b1011."""
+    place = "input:0:int32" if kind == "MODBUS" else "place"
+    taker = Taker(device_map_of("m", {**content, "payout": {"field": place, "valid": f"{field}.2"}}))
+    taken = [taker.of_sample(Sample(kind, {place: 7.0, field: status}), 0.0) for status in (0b0110, 0b1011)]
+    assert (taken[0].values, taken[1].invalid) == ({"payout": 7.0}, {"payout"})
+
+
 @pytest.mark.parametrize("size", [31.0, 1e300, math.inf, math.nan])
 def test_a_size_that_cannot_be_is_never_used(size):
     taker = Taker(device_map_of("m", SBG))

@@ -91,8 +91,8 @@ class LinkReader(LinkThread):
     Parameters
     ----------
     link : what is opened
-    on_bytes : called, in the thread of this reader, with the bytes and whether they are a whole datagram
-    is_sender : over UDP the link says where to, not where from
+    on_bytes : called, in the thread of this reader, with the bytes and whether they are a whole datagram; None: what
+        comes is not used, and over UDP the link says where to, not where from
 
     Attributes
     ----------
@@ -101,12 +101,12 @@ class LinkReader(LinkThread):
     Raises CommandError where a serial port or a UDP port cannot be opened at the start; TCP is tried again.
     """
 
-    def __init__(self, link: Link, on_bytes: Callable[[bytes, bool], None], *, is_sender: bool = False) -> None:
+    def __init__(self, link: Link, on_bytes: Callable[[bytes, bool], None] | None) -> None:
         super().__init__(link)
         self.strangers = 0
-        self._on_bytes = on_bytes
+        self._on_bytes = on_bytes or (lambda _data, _is_whole: None)
         self._port: serial.Serial | socket.socket | None = None
-        self._to = (link.place, link.number) if is_sender else None
+        self._to = (link.place, link.number) if on_bytes is None else None
         self._peer: tuple[str, int] | None = self._to
         if link.kind != "tcp":
             try:
@@ -195,19 +195,6 @@ class LinkReader(LinkThread):
             return False
         self._peer = peer
         return True
-
-
-def sender(link: Link) -> LinkReader:
-    """Return what sends where a `link` of a map says: to a host and port, or by a serial port.
-
-    Raises CommandError where it cannot be opened.
-    """
-    try:
-        out = LinkReader(link, lambda _data, _whole: None, is_sender=True)
-    except CommandError as error:
-        raise CommandError(f"command: {error}") from None
-    out.start()
-    return out
 
 
 def _words(error: BaseException) -> str:

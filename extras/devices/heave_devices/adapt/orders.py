@@ -7,6 +7,7 @@ import time
 from collections.abc import Callable
 from typing import Any
 
+from heave_bringup.errors import CommandError
 from heave_node.interface import topics
 from heave_node.interface.codes import WinchFault
 from heave_node.interface.messages import message_type
@@ -16,7 +17,7 @@ from heave_node.tick.tick import stamp_of
 from heave_node.winch.motion_supervision import DrumReading, MotionSupervision
 from rclpy.node import Node
 
-from heave_devices.adapt.links import LinkReader, sender
+from heave_devices.adapt.links import LinkReader
 from heave_devices.adapt.messages import installed_type
 from heave_devices.adapt.plc.polled import PolledLink
 from heave_devices.formats.registers import register_of
@@ -162,7 +163,12 @@ class Orders:
             return lambda values: link.put(command.numbers_of(values, kind_of, has_bits=is_modbus))
         if command.link is None and link is None:
             raise ParameterError(f"{self._adapter.device.name}: command: say where it goes: to: {{udp: HOST:PORT}}")
-        self._out = sender(command.link) if command.link is not None else None
+        if command.link is not None:
+            try:
+                self._out = LinkReader(command.link, None)
+            except CommandError as error:
+                raise CommandError(f"command: {error}") from None
+            self._out.start()
         out = self._out or link
         assert out is not None
         if command.layout is not None:

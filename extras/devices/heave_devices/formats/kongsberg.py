@@ -23,12 +23,13 @@ _DEGREE = math.radians(1.0)
 _KMB = struct.Struct("<4sHHIIIdd21fIIf")
 _KMB_HEAD = struct.Struct("<4sHH")
 _KMB_LONGEST = 512
-_KMB_FIELDS = (
+KMB_FIELDS = (
     *("ellipsoid_height", "roll", "pitch", "heading", "heave", "roll_rate", "pitch_rate", "yaw_rate"),
     *("north_velocity", "east_velocity", "heave_rate", "north_sigma", "east_sigma", "height_sigma"),
     *("roll_sigma", "pitch_sigma", "heading_sigma", "heave_sigma"),
-    *("north_acceleration", "east_acceleration", "heave_acceleration"),
+    *("north_acceleration", "east_acceleration", "heave_acceleration", "delayed_heave"),
 )
+"""Fields of a frame, in their order; the delayed heave after two that are not used."""
 _KMB_FACTORS = {
     "roll": _DEGREE,
     "pitch": -_DEGREE,
@@ -93,7 +94,7 @@ class KmBinaryDecoder:
         _, _, _, seconds, nanoseconds, status, _, _, *numbers = _KMB.unpack_from(frame)
         values = {
             name: _KMB_FACTORS.get(name, 1.0) * value
-            for name, value in zip(_KMB_FIELDS, numbers, strict=False)
+            for name, value in zip(KMB_FIELDS[:-1], numbers, strict=False)
             if math.isfinite(value) and not (name.endswith("_sigma") and value < 0.0)
         }
         values |= {"delayed_heave": -numbers[-1]} if math.isfinite(numbers[-1]) else {}

@@ -23,6 +23,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from datetime import datetime, timezone
+from functools import partial
 
 from heave_node.interface.codes import MruStatus
 
@@ -58,6 +59,18 @@ def _without(kind: str, values: Mapping[str, float], bad: frozenset[str], **rest
     )
 
 
+_PSXN = {
+    "PSXN22": {1: ("gyro_calibration", _DEGREE), 2: ("gyro_offset", _DEGREE)},
+    "PSXN23": {1: ("roll", _DEGREE), 2: ("pitch", -_DEGREE), 3: ("heading", _DEGREE), 4: ("heave", -1.0)},
+    "PSXN24": {
+        1: ("roll_rate", _DEGREE),
+        2: ("pitch_rate", -_DEGREE),
+        3: ("yaw_rate", -_DEGREE),
+        4: ("heave_rate", -1.0),
+    },
+}
+
+
 def _psxn(fields: Fields, quality: Quality) -> Sample | None:
     kind = f"PSXN{int(fields[0])}"
     if kind == "PSXN20":
@@ -66,19 +79,9 @@ def _psxn(fields: Fields, quality: Quality) -> Sample | None:
         names += ("roll", "pitch", "roll_rate", "pitch_rate") if turns >= 2 else ()
         quality.invalid = frozenset(names)
         return Sample(kind, {"height_quality": float(heights), "attitude_quality": float(turns)})
-    tables = {
-        "PSXN22": {1: ("gyro_calibration", _DEGREE), 2: ("gyro_offset", _DEGREE)},
-        "PSXN23": {1: ("roll", _DEGREE), 2: ("pitch", -_DEGREE), 3: ("heading", _DEGREE), 4: ("heave", -1.0)},
-        "PSXN24": {
-            1: ("roll_rate", _DEGREE),
-            2: ("pitch_rate", -_DEGREE),
-            3: ("yaw_rate", -_DEGREE),
-            4: ("heave_rate", -1.0),
-        },
-    }
-    if kind not in tables:
+    if kind not in _PSXN:
         return None
-    return _without(kind, _given(fields, tables[kind]), quality.invalid)
+    return _without(kind, _given(fields, _PSXN[kind]), quality.invalid)
 
 
 _PASHR = {
@@ -134,15 +137,10 @@ def _phoct(fields: Fields, _: Quality) -> Sample:
 _PNORSUB = {2: ("roll", _DEGREE), 3: ("pitch", -_DEGREE), 4: ("heading", _DEGREE), 5: ("heave", -1.0)}
 
 
-def _pnorsub(fields: Fields, _: Quality) -> Sample:
-    return _norsub("PNORSUB", fields, _PNORSUB, 6)
+_PNORSUB2 = {**_PNORSUB, 6: ("heave_rate", -1.0)}
 
 
-def _pnorsub2(fields: Fields, _: Quality) -> Sample:
-    return _norsub("PNORSUB2", fields, {**_PNORSUB, 6: ("heave_rate", -1.0)}, 7)
-
-
-def _norsub(kind: str, fields: Fields, table: Mapping[int, tuple[str, float]], status: int) -> Sample:
+def _pnorsub(fields: Fields, _: Quality, *, kind: str, table: Mapping[int, tuple[str, float]], status: int) -> Sample:
     values = _given(fields, table)
     bad = frozenset() if int(fields[status]) & 1 else frozenset(values)
     return _without(kind, values, bad, time=int(fields[0]) * 1e-3, time_base=TimeBase.COUNTER)
@@ -168,12 +166,20 @@ SENTENCES: Mapping[str, Callable[[Fields, Quality], Sample | None]] = {
     "PSXN": _psxn,
     "PASHR": _pashr,
     "PHOCT": _phoct,
-    "PNORSUB": _pnorsub,
-    "PNORSUB2": _pnorsub2,
+    "PNORSUB": partial(_pnorsub, kind="PNORSUB", table=_PNORSUB, status=6),
+    "PNORSUB2": partial(_pnorsub, kind="PNORSUB2", table=_PNORSUB2, status=7),
     "PENCR": _pencr,
     "ZDA": _zda,
 }
 """Decoder of each sentence, by name without `$`. None, or an exception: the sentence is unknown, or malformed."""
+_TABLES = {**_PSXN, "PASHR": _PASHR, "PHOCT": _PHOCT, "PNORSUB": _PNORSUB, "PNORSUB2": _PNORSUB2}
+FIELDS: Mapping[str, tuple[str, ...]] = {
+    "PSXN20": ("height_quality", "attitude_quality"),
+    **{kind: tuple(name for name, _ in table.values()) for kind, table in _TABLES.items()},
+    "PENCR": tuple(f"{name}_{index}" for index in range(1, 6) for name in ("angle", "extension")),
+    "ZDA": (),
+}
+"""Fields of each sentence, by its name."""
 WITHOUT_CHECKSUM = frozenset(["PENCR"])
 """Sentences that their makers send without a checksum."""
 UNSIGNED = {

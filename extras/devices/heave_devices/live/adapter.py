@@ -6,6 +6,8 @@ import math
 from collections.abc import Iterable
 from typing import Any, NamedTuple
 
+from heave_node.crane.kinematics import JOINTS
+from heave_node.crane.pose import POSE_FIELDS
 from heave_node.interface import sensors, topics
 from heave_node.interface.sensors import WireReading
 from heave_node.sensing.recent_motion import RecentMotion
@@ -14,7 +16,6 @@ from heave_node.winch.travel import SpeedTravel
 from heave_devices.formats.device_time import DeviceTime
 from heave_devices.formats.sample import Sample, TimeBase
 from heave_devices.live.counted_time import CountedTime, DeviceClock
-from heave_devices.live.crane_maker import CraneMaker
 from heave_devices.live.drum_count import DrumCount
 from heave_devices.live.link_watch import LinkWatch
 from heave_devices.live.mru_maker import MruMaker
@@ -72,7 +73,7 @@ class Adapter:
         self.newest: dict[str, float] = {}
         self.published = dict.fromkeys(device.outputs, 0)
         self._mru = MruMaker(device)
-        self._crane = CraneMaker(device.timeout)
+        self._crane = Recent(POSE_FIELDS, device.timeout)
         self._time = DeviceTime(device.counter_wrap) if "device_time" in device.channels else DeviceTime()
         self.clocks: dict[str, DeviceClock] = {}
         self._clock = DeviceClock()
@@ -186,7 +187,7 @@ class Adapter:
             return self._winch(taken, stamp)
         if topic == topics.CRANE_POSE.name:
             pose = self._crane.take(taken)
-            return None if pose is None else WireReading(stamp, pose)
+            return WireReading(stamp, tuple(pose.values())) if taken.has_any(JOINTS) else None
         name = _PLAIN[topic]
         if name not in taken.values:
             return None

@@ -33,7 +33,7 @@ class MruMaker:
         """Return the reading that a sample, `taken`, completes; None where it holds no heave, nor calls it invalid."""
         time = taken.time
         beside = self._recent.take(taken)
-        if "heave" not in taken.values and "heave" not in taken.invalid:
+        if not taken.has_any(["heave"]):
             return None
         self.sequence += 1
         roll, pitch = beside["roll"], beside["pitch"]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -20,6 +20,7 @@ from heave_devices.maps.channel import Channel
 from heave_devices.maps.device_map import DeviceMap
 from heave_devices.maps.field_path import FieldPath
 from heave_devices.maps.quantities import QUANTITIES
+from heave_devices.maps.sample_field import SampleField
 
 _LEAST_FLOAT = 1e-25
 """A float below is no measurement, but the words of one in the wrong order."""
@@ -35,6 +36,10 @@ class Taken:
     values: dict[str, float] = field(default_factory=dict)  # by quantity, SI units, the suite's signs
     invalid: set[str] = field(default_factory=set)  # quantities of the map that the device calls invalid
     status: MruStatus = MruStatus.OK  # whether the motion has settled
+
+    def has_any(self, names: Iterable[str]) -> bool:
+        """Return whether it holds one of the quantities called `names`, or calls it invalid."""
+        return any(name in self.values or name in self.invalid for name in names)
 
 
 class Recent:
@@ -89,8 +94,7 @@ class Taker:
     def __init__(self, device: DeviceMap) -> None:
         self.counters = TakeCounters()
         self._channels = dict(device.channels)
-        self._has_names = device.has_names
-        self._places = {name: device.bit_of(channel.field) for name, channel in device.channels.items()}
+        self._fields = {name: SampleField(device, channel) for name, channel in device.channels.items()}
         self._kinds = {name: device.kind_of(channel.field) for name, channel in device.channels.items()}
         self._word_order = device.link.word_order if device.link is not None else ""
         self._factors = {name: channel.factor(name) for name, channel in self._channels.items()}
@@ -112,19 +116,13 @@ class Taker:
     def of_sample(self, sample: Sample, time: float) -> Taken:
         """Return what the map wants of a `sample` of a line or frame, measured at a `time` [s]."""
         taken = Taken(time, status=sample.status)
-        prefix = "" if self._has_names else f"{sample.kind}."
-        for name, channel in self._channels.items():
-            place, bit = self._places[name]
-            field_name = place.removeprefix(prefix) if prefix else place
-            if prefix and not channel.field.startswith(prefix):
+        for name, where in self._fields.items():
+            if not where.is_in(sample):
                 continue
-            if field_name in sample.invalid or not self._is_valid_sample(sample, channel, prefix):
+            if where.is_invalid(sample):
                 taken.invalid.add(name)
-            elif field_name in sample.values:
-                value = channel.signed(sample.values[field_name], sample.words)
-                if bit is not None:
-                    value = float(int(value) >> bit & 1) if math.isfinite(value) else math.nan
-                self._put(taken, name, value)
+            elif where.holds(sample):
+                self._put(taken, name, where.number(sample))
         self.counters.invalid += bool(taken.invalid)
         return taken
 
@@ -170,13 +168,6 @@ class Taker:
             raise LookupError(f"{text} is a quaternion of length {size:g}")
         unit: Array = numbers / size
         return unit
-
-    def _is_valid_sample(self, sample: Sample, channel: Channel, prefix: str) -> bool:
-        if not channel.valid:
-            return True
-        name = channel.valid.removeprefix(prefix)
-        status = sample.values.get(name, sample.words.get(name))
-        return status is not None and channel.is_valid(status)
 
     def _put(self, taken: Taken, name: str, raw: float) -> None:
         channel = self._channels[name]

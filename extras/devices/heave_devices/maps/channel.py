@@ -14,6 +14,8 @@ from heave_node.files.units import UNITS
 from heave_devices.maps.quantities import QUANTITIES
 
 EULER_PARTS = ("roll", "pitch", "yaw")
+GOOD_WORDS = ("true", "valid", "ok", "good", "yes", "a", "y", "t")
+"""Words that call a sample valid, in any case."""
 DEFAULT_CUT_OFF = 2.0 * math.pi / 40.0
 """Motion slower than this is taken out when acceleration is integrated [rad/s]: no sea is slower."""
 
@@ -98,7 +100,7 @@ class Channel:
         if self.valid_values:
             return status in self.valid_values
         if isinstance(status, str):
-            return status.lower() in ("true", "valid", "ok", "good", "yes", "a", "y", "t")
+            return status.lower() in GOOD_WORDS
         if not math.isfinite(status):
             return False
         return not int(status) & self.invalid_bits if self.invalid_bits else status != 0.0
@@ -125,18 +127,12 @@ def read_channel(quantity: str, entry: Any, positive: str = "") -> Channel:
     if "sign" in values:
         values |= _sign_of(quantity, values.pop("sign"))
     if "valid_values" in values:
-        given = values["valid_values"]
-        listed = given if isinstance(given, list) else [given]
+        listed = _listed(values["valid_values"])
         values["valid_values"] = tuple(float(v) if isinstance(v, int | float) else str(v) for v in listed)
     if "invalid_values" in values:
-        given = values["invalid_values"]
-        listed = given if isinstance(given, list) else [given]
+        listed = _listed(values["invalid_values"])
         values["invalid_values"] = tuple(as_kind(float, f"{quantity}: invalid_values", value) for value in listed)
-    for known in fields(Channel):
-        kind = {"str": str, "float": float, "bool": bool, "int": int}.get(str(known.type))
-        if known.name in values and kind is not None:
-            values[known.name] = as_kind(kind, f"{quantity}: {known.name}", values[known.name])
-    channel = Channel(**values)
+    channel = Channel(**{**values, **plain_entries(Channel, f"{quantity}: ", values)})
     _check(quantity, channel)
     return with_standard_frame(channel, channel.type)
 
@@ -160,12 +156,25 @@ def _sign_of(quantity: str, entry: Any) -> dict[str, Any]:
     if not isinstance(entry, dict):
         raise MapError(f"{where} must give a field and its negative words: {{field: side, negative: [P]}}")
     refuse_unknown(where, entry, ("field", "negative"))
-    given = entry.get("negative", [])
-    listed = given if isinstance(given, list) else [given]
+    listed = _listed(entry.get("negative", []))
     if not listed:
         raise MapError(f"{where}: negative must list the words that make the value negative, such as [P]")
     words = tuple(as_kind(str, f"{where}: negative", word) for word in listed)
     return {"sign_field": as_kind(str, f"{where}: field", entry.get("field", "")), "negative": words}
+
+
+def _listed(given: Any) -> list[Any]:
+    return given if isinstance(given, list) else [given]
+
+
+def plain_entries(of: type[Any], where: str, entry: Mapping[str, Any]) -> dict[str, Any]:
+    """Return those of an `entry` that are a word, a number or a flag of the dataclass `of`, each as its kind.
+
+    Raises MapError, with the place in the map, `where`, for one that is none.
+    """
+    kinds = {"str": str, "float": float, "bool": bool, "int": int}
+    known = {one.name: kinds[str(one.type)] for one in fields(of) if str(one.type) in kinds}
+    return {name: as_kind(kind, f"{where}{name}", entry[name]) for name, kind in known.items() if name in entry}
 
 
 def as_kind(kind: type, name: str, value: Any) -> Any:

@@ -12,7 +12,7 @@ from typing import Any
 from heave_devices.formats.datagram import CLOCKS, Layout, layout_of
 from heave_devices.formats.number_kinds import split_bit, with_bits, wrapped
 from heave_devices.formats.pattern import CHECKSUMS
-from heave_devices.maps.channel import MapError, as_kind, placed, read_channel, refuse_unknown
+from heave_devices.maps.channel import MapError, as_kind, placed, plain_entries, read_channel, refuse_unknown
 from heave_devices.maps.field_path import FieldPath
 from heave_devices.maps.link import Link, read_link
 
@@ -118,18 +118,13 @@ def read_command(entry: Any) -> CommandMap | None:
         raise MapError("command must give a line, a layout, or a topic with its type, and what is set")
     known = ("to", "line", "checksum", "layout", "byte_order", "topic", "type", "set", "timeout", "supervision")
     refuse_unknown("command", entry, known)
-    words = {
-        name: as_kind(str, f"command: {name}", entry.get(name, "")) for name in ("line", "checksum", "topic", "type")
-    }
     given_orders = entry.get("set") or {}
     if not isinstance(given_orders, dict):
         raise MapError("command: set must say which field is which of " + ", ".join(ORDERS))
     orders = tuple(_order(str(path), given) for path, given in given_orders.items())
-    timeout = as_kind(float, "command: timeout", entry.get("timeout", 0.5))
-    supervision = as_kind(float, "command: supervision", entry.get("supervision", 1.0))
     layout = read_layout("command: ", entry)
     link = read_link("command: to", entry.get("to"))
-    command = CommandMap(link, layout=layout, orders=orders, timeout=timeout, supervision=supervision, **words)
+    command = CommandMap(link, layout=layout, orders=orders, **plain_entries(CommandMap, "command: ", entry))
     _check(command)
     return command
 

@@ -25,7 +25,7 @@ from heave_devices.formats.pattern import PatternDecoder
 from heave_devices.formats.registers import BIT_TABLES, WRITABLE, register_of
 from heave_devices.formats.sample import Decoder, Sample, TimeBase
 from heave_devices.formats.table import FORMATS, LINE
-from heave_devices.maps.channel import Channel, MapError, as_kind, placed, read_channel, refuse_unknown
+from heave_devices.maps.channel import Channel, MapError, as_kind, placed, plain_entries, read_channel, refuse_unknown
 from heave_devices.maps.command_map import CommandMap, read_command, read_layout
 from heave_devices.maps.field_path import FieldPath
 from heave_devices.maps.link import Link, read_link
@@ -161,10 +161,7 @@ def device_map_of(name: str, content: Any) -> DeviceMap:
     values["layout"] = read_layout("", content)
     values["command"] = read_command(values.get("command"))
     values["lever_arm"] = _arm(values.get("lever_arm", (0.0, 0.0, 0.0)))
-    plain = {"format": str, "pattern": str, "checksum": str, "clock": str, "boom_tip": bool, "needs_checksum": bool}
-    for entry, kind in {**plain, "timeout": float, "latency": float, "boom_tip_height": float}.items():
-        if entry in values:
-            values[entry] = as_kind(kind, entry, values[entry])
+    values |= plain_entries(DeviceMap, "", values)
     record = _record({entry: content[entry] for entry in of_record if entry in content})
     device = DeviceMap(name, channels, link=read_link("source", content.get("source")), record=record, **values)
     _check(device)
@@ -181,15 +178,10 @@ def _arm(entry: Any) -> tuple[float, float, float]:
 
 
 def _record(entries: dict[str, Any]) -> RecordForm:
-    for name in ("time_scale", "rate", "sample_rate"):
-        if name in entries:
-            entries[name] = as_kind(float, name, entries[name])
     columns = entries.get("time_column", "")
     if not isinstance(columns, str) and not (isinstance(columns, list) and all(isinstance(c, str) for c in columns)):
         raise MapError(f"time_column = {columns!r} must be a heading, or a list of headings")
-    if "date_order" in entries:
-        entries["date_order"] = as_kind(str, "date_order", entries["date_order"])
-    record = RecordForm(**entries)
+    record = RecordForm(**{**entries, **plain_entries(RecordForm, "", entries)})
     if not record.rate > 0.0 or not record.sample_rate >= 0.0:
         raise MapError("rate must be above 0, sample_rate not below")
     return record

@@ -16,9 +16,9 @@ from heave_node.numerics.arrays import Array
 from heave_devices.formats.device_time import DeviceTime
 from heave_devices.formats.sample import Counters, Decoder, Sample
 from heave_devices.formats.table import FORMATS, LINE
-from heave_devices.maps.channel import Channel
 from heave_devices.maps.device_map import DeviceMap
 from heave_devices.maps.quantities import QUANTITIES
+from heave_devices.maps.sample_field import SampleField
 from heave_devices.records.sample_checks import Findings
 from heave_devices.records.ship_time import TimeError, time_of_texts
 
@@ -58,10 +58,12 @@ def device_signals(source: Path, device: DeviceMap, wanted: Sequence[str], findi
     signals = {}
     for name in wanted:
         channel = device.channels[name]
-        places = [index for index, sample in enumerate(record.samples) if _has(device, channel, sample)]
+        where = SampleField(device, channel)
+        places = [index for index, sample in enumerate(record.samples) if where.is_in(sample)]
         if not places:
             raise BagError(f"{source}: {name}: nothing in it has {channel.field}{_what_there_is(record, decoder)}")
-        signals[name] = _signal(source, device, name, record, places, findings)
+        time = _times(source, device, record, places, findings)
+        signals[name] = _signal(name, where, time, [record.samples[place] for place in places], findings)
     return signals
 
 
@@ -89,37 +91,13 @@ def _read(data: bytes, device: DeviceMap, decoder: Decoder) -> _Record:
     return record
 
 
-def _has(device: DeviceMap, channel: Channel, sample: Sample) -> bool:
-    """Return whether a sample is of the sentence of a channel."""
-    return device.has_names or channel.field.partition(".")[0] == sample.kind
-
-
-def _signal(
-    source: Path, device: DeviceMap, name: str, record: _Record, places: Sequence[int], findings: Findings
-) -> Signal:
-    channel = device.channels[name]
-    time = _times(source, device, record, places, findings)
-    field_name = channel.field if device.has_names else channel.field.partition(".")[2]
-    value = np.full(len(places), np.nan)
-    invalid = 0
-    for row, place in enumerate(places):
-        sample = record.samples[place]
-        if field_name in sample.invalid or not _is_valid(device, channel, sample):
-            invalid += 1
-        else:
-            value[row] = channel.signed(sample.values.get(field_name, np.nan), sample.words)
+def _signal(name: str, where: SampleField, time: Array, samples: Sequence[Sample], findings: Findings) -> Signal:
+    value = np.array([np.nan if where.is_invalid(sample) else where.number(sample) for sample in samples])
+    invalid = sum(map(where.is_invalid, samples))
     if invalid:
         findings.notes.append(f"{name}: {invalid} samples that the device calls invalid left out")
     good = np.isfinite(value)
     return Signal(time[good], value[good])
-
-
-def _is_valid(device: DeviceMap, channel: Channel, sample: Sample) -> bool:
-    if not channel.valid:
-        return True
-    name = channel.valid if device.has_names else channel.valid.partition(".")[2]
-    status = sample.values.get(name, sample.words.get(name))
-    return status is not None and channel.is_valid(status)
 
 
 def _times(source: Path, device: DeviceMap, record: _Record, places: Sequence[int], findings: Findings) -> Array:

@@ -14,6 +14,7 @@ from heave_node.files.given_files import TextFileError, read_text
 from heave_node.numerics.arrays import Array
 from numpy.typing import NDArray
 
+from heave_devices.maps.channel import GOOD_WORDS
 from heave_devices.records.ship_time import (
     TimeError,
     counted_on,
@@ -32,8 +33,8 @@ TIME_NAMES = (
 DATE_NAMES, CLOCK_NAMES = ("date", "date_utc", "utc_date"), ("time", "clock", "utc", "time_utc", "utc_time", "hhmmss")
 WEEK_NAMES = ("gps_week", "gpsweek", "week", "wn")
 TOW_NAMES = ("gps_tow", "tow", "gps_seconds", "gps_time", "seconds_of_week", "sow", "tow_s", "tow_ms")
-GOOD_WORDS, BAD_WORDS = ("true", "valid", "ok", "good", "yes", "a", "y", "t"), ("false", "invalid", "bad", "no", "v")
-"""Texts that call a sample valid or not; a number other than 0 calls it valid."""
+BAD_WORDS = ("false", "invalid", "bad", "no", "v")
+"""Texts that call a sample not valid; those of GOOD_WORDS, and a number other than 0, call it valid."""
 _LENGTHS = {"cm": 0.01, "mm": 0.001, "ft": 0.3048, "feet": 0.3048, "dm": 0.1, "inch": 0.0254}
 _ANGLES = {word: math.radians(1.0) for word in ("deg", "degs", "degree", "degrees", "°", "º")} | {"mrad": 1e-3}
 """Units that headings state, in metres and radians."""
