@@ -53,16 +53,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         return one
 
     verb("status", "print one line of status")
-    mode = verb("mode", "request a mode of the controller", "mode compensating")
-    mode.add_argument("mode", choices=MODES)
-    mode.add_argument(
-        "--tension", type=_number(0.0), default=0.0, metavar="N", help="tension to hold in constant_tension [N]"
-    )
-    mode.add_argument(
-        "--unproved",
-        action="store_true",
-        help="compensate although neither load cell nor depth sensor has confirmed the MRU",
-    )
+    _add_mode(verb("mode", "request a mode of the controller", "mode compensating"))
     depth = verb(
         "depth", "move the load to a mean depth and wait until it is there; Ctrl-C ends the move smoothly", "depth 295"
     )
@@ -102,6 +93,18 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def _add_shared(parser: argparse.ArgumentParser, default: str | None = None) -> None:
     add_namespace(parser, "the run is in namespace NAME", default)
     add_network(parser, default)
+
+
+def _add_mode(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("mode", choices=MODES)
+    parser.add_argument(
+        "--tension", type=_number(0.0), default=0.0, metavar="N", help="tension to hold in constant_tension [N]"
+    )
+    parser.add_argument(
+        "--unproved",
+        action="store_true",
+        help="compensate although neither load cell nor depth sensor has confirmed the MRU",
+    )
 
 
 def _add_move(parser: argparse.ArgumentParser) -> None:
