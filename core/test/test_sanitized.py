@@ -14,7 +14,8 @@ SOURCES = ROOT / "core" / "heave_core" / "src"
 FAULTY_LOOP = """
 from heave_bringup import ClosedLoop, load_scenario, loop_parameters
 for scenario, duration in (("b8_faults", 120), ("b3_deep_900", 10)):
-    loop = ClosedLoop(loop_parameters(load_scenario(scenario, settings=[f"all.duration={duration}"])), has_adviser=False)
+    parameters = loop_parameters(load_scenario(scenario, settings=[f"all.duration={duration}"]))
+    loop = ClosedLoop(parameters, has_adviser=False)
     loop.run()
 """
 """Sensors and winch that fail, and a deep load."""
@@ -27,7 +28,7 @@ def runtime(name):
     found = subprocess.run(
         ["g++", f"-print-file-name={name}"], capture_output=True, text=True, check=True
     ).stdout.strip()
-    return found if os.path.isabs(found) else None
+    return found if Path(found).is_absolute() else None
 
 
 @pytest.fixture(scope="module")

@@ -1,4 +1,4 @@
-"""Supervision of a tick as the core decides it: late depths, lost sensors, damping, lowering, and what follows an event."""
+"""Supervision of a tick in the core: late depths, lost sensors, damping, lowering, and what follows an event."""
 
 import math
 

@@ -155,7 +155,7 @@ def _initialiser(value: Any) -> str:
         used = np.flatnonzero(flat.view(np.uint8).reshape(len(flat), -1).any(axis=1))
         return f"{{{', '.join(map(_initialiser, flat[: used[-1] + 1 if len(used) else 0]))}}}"
     if isinstance(value, np.void):
-        return f"{{{', '.join(_initialiser(value[name]) for name in value.dtype.names)}}}"
+        return f"{{{', '.join(_initialiser(value[name]) for name in value.dtype.names or ())}}}"
     return str(int(value)) if isinstance(value, int | np.integer) else _number(float(value))
 
 

@@ -140,7 +140,8 @@ class Proofs:
     @property
     def standing(self) -> Standing:
         """What is known of the MRU."""
-        return STANDINGS[self._flags[0]]
+        standing: Standing = STANDINGS[self._flags[0]]
+        return standing
 
     @property
     def witness(self) -> str:
