@@ -446,3 +446,9 @@ def test_what_is_not_known_of_the_sea_leaves_no_more_than_the_unit_shows(unit, i
         if k == 40:
             assert verdict.best_authority == pytest.approx(0.3), "two seconds show nothing"
     assert verdict.best_authority == pytest.approx(best, abs=0.01)
+
+
+@pytest.mark.parametrize(("share", "is_less"), [(0.27, False), (0.285, True)])
+def test_an_error_by_a_share_of_the_motion_is_worth_less_authority_from_a_quarter_on(share, is_less):
+    """sqrt(V) - sqrt(V / (1 + V)) = 0.01 at V = 0.0765, by bisection."""
+    assert (a_guard().step(Seen(unknown=share**2), 0.0, 1.0, inhibits=False).best_authority < 1.0) == is_less

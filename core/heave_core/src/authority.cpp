@@ -4,6 +4,11 @@
 // They are independent of the sea, so that
 //
 //     J(A) = (1 - A)^2 + A^2 V,    least at A = 1 / (1 + V), where it is V / (1 + V).
+//
+// An error by a share d of the boom tip's motion leaves d^2: of a scale by d, of a delay by d / omega, of noise by d of the
+// motion with the winch locked. Below d = 0.276 no less authority is worth 1 % of that motion, and what is identified is known
+// better than that: 0.35 s at 8 s. So these have no term. Nor has the cable: a payout that is the boom tip's heave holds a
+// unit still on any. What they leave all the same is seen by the unit, and by the waves that are compared.
 #include "look.h"
 
 namespace heave {
