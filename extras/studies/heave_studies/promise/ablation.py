@@ -10,6 +10,8 @@ from contextlib import contextmanager
 from importlib import import_module
 from typing import Any, NamedTuple
 
+from heave_core.modes_table import ModeGuard
+
 PACKAGE = "winch_controller_node"
 NEVER = 1e9
 """Price at which no hypothesis is accepted [nats]; ratio and share that nothing reaches."""
@@ -48,6 +50,13 @@ def _noise_as_stated() -> list[Switch]:
     return [Switch("core.estimation.sense_design:GATES", held | {"fewest_noise": NEVER, "noise_unknown": 1.0})]
 
 
+def _without_gates(*given: Any) -> dict[str, Any]:
+    """Return the values of the core's ModeDesign in which no gate keeps compensation from beginning."""
+    values: dict[str, Any] = import_module(f"{PACKAGE}.core.supervision.modes").mode_design(*given)
+    rows = [row | {"guards": row["guards"] & ~ModeGuard.IF_GATES_OPEN} for row in values["rows"]]
+    return values | {"rows": rows}
+
+
 LEARNING: Mapping[str, Switches] = {
     "winch": lambda: [Switch("adviser.component:Adviser._take_winch", _gives(None))],
     "encoder scale": lambda: [
@@ -75,13 +84,13 @@ REFLEXES: Mapping[str, Switches] = {
     ],
     "exclusion after jumps": lambda: [Switch("core.estimation.sense_design:EXCLUDES_JUMPED", False)],
     "sensor noise": _noise_as_stated,
-    "share by the sea": lambda: [Switch("core.supervision.supervisor:CAUTIOUS", 1.0)],
-    "authority": lambda: [Switch("core.supervision.guard:HarmGuard.authority_limit", 1.0)],
+    "share by the sea": lambda: [Switch("core.supervision.supervision_design:CAUTIOUS", 1.0)],
+    "authority": lambda: [Switch("core.supervision.guard_checks:WORTH", NEVER)],
 }
 """Reflexes of the core within a tick."""
 
 CHECKS: Mapping[str, Switches] = {
-    "gates": lambda: [Switch("core.supervision.supervisor:Supervisor._closed_gates", _gives(""))],
+    "gates": lambda: [Switch("core.supervision.mode_machine:mode_design", _without_gates)],
     "drum check": lambda: _without_limit("DRUM"),
     "swing check": lambda: _without_limit("SWING"),
     "depth check": lambda: _without_limit("DEPTH"),
