@@ -1,6 +1,7 @@
 """What can be switched off in the controller by itself, to see what it saves and what it costs.
 
-Each row names attributes of the code and what stands in their place while a case is run.
+Each row names attributes of the code and what stands in their place while a case is run. Of the compiled core these are
+constants that fill its design.
 """
 
 from __future__ import annotations
@@ -75,13 +76,13 @@ REFLEXES: Mapping[str, Switches] = {
     ],
     "exclusion after jumps": lambda: [Switch("core.estimation.sense_design:EXCLUDES_JUMPED", False)],
     "sensor noise": _noise_as_stated,
-    "share by the sea": lambda: [Switch("core.supervision.supervisor:CAUTIOUS", 1.0)],
-    "authority": lambda: [Switch("core.supervision.guard:HarmGuard.authority_limit", 1.0)],
+    "caution in another sea": lambda: [Switch("core.supervision.supervision_design:CAUTIOUS", 1.0)],
+    "authority": lambda: [Switch("core.supervision.guard_checks:WORTH", NEVER)],
 }
 """Reflexes of the core within a tick."""
 
 CHECKS: Mapping[str, Switches] = {
-    "gates": lambda: [Switch("core.supervision.supervisor:Supervisor._closed_gates", _gives(""))],
+    "wait for the sea": lambda: [Switch("core.supervision.supervision_design:LONGEST_WAIT", 0.0)],
     "drum check": lambda: _without_limit("DRUM"),
     "swing check": lambda: _without_limit("SWING"),
     "depth check": lambda: _without_limit("DEPTH"),
