@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import asdict, replace
 
 import numpy as np
@@ -10,14 +11,18 @@ import pandas
 import pytest
 from heave_bringup.cli import main
 from heave_bringup.closed_loop import COLUMNS, LoopRecord
+from heave_bringup.scenarios import load_scenario
+from heave_core import layout
+from heave_core.library import dtype_of
 from heave_studies.promise import cases, run, study
-from heave_studies.promise.ablation import ALL, part
+from heave_studies.promise.ablation import ALL, CHECKS, REFLEXES, part, switched_off
 from heave_studies.promise.cases import KINDS, SAFETY, SCENARIOS, STRAINS, Case, draw
 from heave_studies.promise.deviation import Chance, nominal
 from heave_studies.promise.figures import ablation_rows, broken, changes, figures_of
 from heave_studies.promise.findings import findings_of, warnings_of
 from heave_studies.promise.run import Outcome, counted, judged, run_case
 from heave_studies.promise.table import DEVIATIONS, OPERATIONS, highest, sea_of
+from winch_controller_node.core.component import WinchController
 
 DAY = 20300101
 TICK = 0.05
@@ -312,3 +317,38 @@ def test_what_an_ablation_switches_off_is_there(name):
     for place, value in switches:
         owner, attribute = part(place)
         assert getattr(owner, attribute) != value
+
+
+NAME_OF = {dtype_of(one): one.name for one in layout.STRUCTURES}
+
+
+def designs_in(what: object, seen: set[int]) -> Iterator[bytes]:
+    """Yield the designs that the compiled core reads, as bytes, of all that hangs on an object, in its order."""
+    if id(what) in seen or isinstance(what, str | bytes | int | float | type):
+        return
+    seen.add(id(what))
+    if isinstance(what, np.ndarray):
+        if NAME_OF.get(what.dtype, "").endswith("Design"):
+            yield what.tobytes()
+    elif isinstance(what, list | tuple | dict):
+        for one in what.values() if isinstance(what, dict) else what:
+            yield from designs_in(one, seen)
+    else:
+        for one in list(getattr(what, "__dict__", {}).values()):
+            yield from designs_in(one, seen)
+
+
+@pytest.mark.parametrize("name", [one for one in (*REFLEXES, *CHECKS) if one != "encoder reflex"])
+def test_what_is_switched_off_in_the_compiled_core_reaches_its_design(name):
+    """The encoder reflex is decided in Python, findings are the adviser's."""
+    nominal = load_scenario("b2_calm_300").parameters["winch_controller"]
+
+    def designs() -> list[bytes]:
+        return list(designs_in(WinchController(nominal, tick_period=TICK), set()))
+
+    whole = designs()
+    with switched_off(name):
+        without = designs()
+    assert len(without) == len(whole) > 3
+    assert without != whole
+    assert designs() == whole

@@ -200,7 +200,7 @@ def test_a_study_of_which_no_case_ran_ends_with_status_1(kind, monkeypatch, caps
         (["seeds", "--ask", "answer=limts"], "ask: answer = limts: must be one of cases, limits"),
         (["seeds", "--require", "sgima<3"], "sgima is not a figure of merit"),
         (["lift", "--seeds", "3"], "--seeds: is not for lift: write it into its file"),
-        (["no_such_study"], "no_such_study: no such study or file; shipped are: extremes"),
+        (["no_such_study"], "no_such_study: no such study or file; shipped are: ablation"),
         ([], "name a study file"),
     ],
 )

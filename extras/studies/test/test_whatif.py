@@ -171,7 +171,7 @@ def test_the_same_law_leaves_out_the_ticks_that_the_controller_left_out(calm_bag
     assert observed_again(record, nominal).is_same
 
 
-def test_a_record_in_which_an_operator_acted_is_refused_with_the_time(calm_bag, nominal):
+def test_a_record_in_which_an_operator_acted_is_refused_with_the_time(calm_bag, nominal, monkeypatch):
     """Read of the diagnostics of the controller alone; before that time it is a record as any other."""
     said = ["t = 1.00 s: mode stopped; t = 1.05 s: factor 0.8, speed +0.2 m/s", "t = 0.05 s: fault of mru: gap", "ok"]
     names = ["winch_controller: operator", "wave_vessel: operator", "winch_controller: mode"]
@@ -184,6 +184,7 @@ def test_a_record_in_which_an_operator_acted_is_refused_with_the_time(calm_bag, 
         }
     assert first_request(columns) == 1.0
     record = replace(read_record(Bag(calm_bag), nominal), operated=80.0)
+    monkeypatch.setattr(fitness, "SHORTEST", -math.inf)
     with pytest.raises(CommandError, match=r"an operator acted at 80\.0 s.*: give --end 80$"):
         fitness.check_record(record, 0.0, "bag")
     assert math.isinf(record.part(70.0).operated)

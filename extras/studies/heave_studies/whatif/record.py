@@ -32,6 +32,7 @@ from numpy.typing import NDArray
 from winch_controller_node.beliefs.beliefs import latency_ticks
 from winch_controller_node.interface.conversions import WINCH_STATE, measurements, winch_reading_of
 from winch_controller_node.interface.readings import Measurements, WinchOrder
+from winch_controller_node.interface.requests import request_of
 from winch_controller_node.interface.sensors import INPUTS
 from winch_controller_node.node_parameters import WinchControllerParameters
 
@@ -319,7 +320,8 @@ def first_request(diagnostics: Columns | None) -> float:
 
     `diagnostics` are the columns of that topic; None: not recorded.
     """
-    return min((one.start for one in operator_requests(Fields(diagnostics))), default=math.inf)
+    asked = (one for one in operator_requests(Fields(diagnostics)) if any(map(request_of, one.name.split(", "))))
+    return min((one.start for one in asked), default=math.inf)
 
 
 def _readings(columns: Columns, fields: Sequence[str], gate: Gate | None, period: int) -> Delivered:
