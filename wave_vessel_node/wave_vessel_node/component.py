@@ -206,6 +206,7 @@ def boom_tip_heave(parameters: WaveVesselParameters, seed: int, tick_period: flo
     """Return heave, heave rate and acceleration of the boom tip at the first `count` ticks, shape (count, 3).
 
     They are the vertical part of `WaveVessel.boom_tips` by one sum; None where the source has none, or with a crane.
+    `parameters`, `seed` and `tick_period` [s] are those of a `WaveVessel`.
     """
     scene = build_scene(parameters, seed, tick_period)
     source = _with_change_course_drift_and_ramp(_waves_of(scene), scene)
