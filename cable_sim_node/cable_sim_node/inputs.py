@@ -35,7 +35,7 @@ Gap = TypeVar("Gap", float, Array)
 
 
 def closed(gap: Gap, rate: Gap, duration: float, time_constant: float) -> tuple[Gap, Gap]:
-    """Return what is left of a `gap` and of its `rate` after a `duration` [s] of critically damped closing."""
+    """Return what critically damped closing leaves of a `gap` and its `rate`; `duration`, `time_constant` [s]."""
     decay = math.exp(-duration / time_constant)
     slope = rate + gap / time_constant
     return (gap + slope * duration) * decay, (rate - slope * duration / time_constant) * decay

@@ -95,12 +95,11 @@ def window_ratios(
     """
     times = np.asarray(time, dtype=float)
     period = float(np.median(np.diff(times))) if times.size > 1 else math.nan
-    if not 0.0 < period < WORSE_WINDOW:
+    count = round(WORSE_WINDOW / period) if 0.0 < period < WORSE_WINDOW else 0
+    first = int(np.searchsorted(times, begin))
+    if not 0 < count <= times.size - first:
         return np.empty(0), np.empty(0)
-    count, first = round(WORSE_WINDOW / period), int(np.searchsorted(times, begin))
     starts = np.arange(first, times.size - count + 1, max(1, round(1.0 / period)))
-    if not starts.size:
-        return np.empty(0), np.empty(0)
     deviations = [
         np.lib.stride_tricks.sliding_window_view(np.asarray(values, dtype=float), count)[starts].std(axis=1)
         for values in (unit, uncompensated)

@@ -12,14 +12,14 @@ from heave_node.interface.preview import HeavePreview
 from heave_node.interface.sensors import MruReading
 from heave_node.interface.waves import Waves
 from heave_node.numerics.arrays import Array
-from heave_node.numerics.kinematics import PointMotion
+from heave_node.numerics.kinematics import PointMotion, smooth_ramp
 
 from wave_vessel_node.mru.mru import MotionReferenceUnit, high_pass_response
 from wave_vessel_node.mru.sea_state_estimate import SeaStateEstimate, SeaStateEstimator
 from wave_vessel_node.parameters import WaveVesselParameters
 from wave_vessel_node.sea.sea import SeaState, describe_sea
 from wave_vessel_node.source_registry import SOURCES
-from wave_vessel_node.sources.layers import ChangingSource, CourseSource, DriftingSource, RampedSource
+from wave_vessel_node.sources.layers import ChangingSource, CourseSource, DriftingSource, RampedSource, weighted
 from wave_vessel_node.sources.motion_source import MotionSource, block_from
 from wave_vessel_node.sources.preview import PreviewSource
 from wave_vessel_node.sources.scene import Scene, build_scene
@@ -205,12 +205,18 @@ class WaveVessel:
 def boom_tip_heave(parameters: WaveVesselParameters, seed: int, tick_period: float, count: int) -> Array | None:
     """Return heave, heave rate and acceleration of the boom tip at the first `count` ticks, shape (count, 3).
 
-    They are the vertical part of `WaveVessel.boom_tips` by one sum; None where the source has none, or with a crane.
+    They are the vertical part of `WaveVessel.boom_tips` by one sum; None where there is none: with a source without
+    components, a later sea, a crane. `parameters`, `seed` and `tick_period` [s] are those of a `WaveVessel`.
     """
     scene = build_scene(parameters, seed, tick_period)
-    source = _with_change_course_drift_and_ramp(_waves_of(scene), scene)
-    heave = None if parameters.crane.is_fitted else source.point_heave(lever_arm_matrix(scene.boom_tip_arm)[2])
-    return None if heave is None else heave(range(1, count + 1))
+    one = _waves_of(scene).point_heave(lever_arm_matrix(scene.boom_tip_arm)[2])
+    if one is None or parameters.crane.is_fitted or parameters.later_sea.duration > 0.0:
+        return None
+    heave, ramp = one.at(range(1, count + 1)), parameters.ramp
+    grown = min(math.ceil(ramp / tick_period), count)
+    weights = np.array([smooth_ramp(tick * tick_period, ramp) for tick in range(grown)]).reshape(-1, 3)
+    heave[:grown] = weighted(heave[:grown], weights)
+    return np.asarray(heave[:, :, 0])
 
 
 def _waves_of(scene: Scene) -> MotionSource:

@@ -167,7 +167,7 @@ def speed_step(
 ) -> tuple[float, float, int]:
     """Return payout and rate after `h` seconds that follow a `demand` of speed [m/s], and the limits that acted.
 
-    It is exact for any `h` where no limit acts; `decay` is e^(-h/T).
+    `u`, `v`, `power_speed`: as in `advance_drum`; `decay`: e^(-h/T) of the `settings`. Exact where no limit acts.
     """
     limits = 0
     demand = settings.speed_gain * _beyond_deadband(demand, settings.deadband) + settings.creep

@@ -14,8 +14,7 @@ from heave_studies.batch.fit import not_covered
 from heave_studies.batch.kernel import heights_seen
 from heave_studies.batch.law import noises_seen, stationary_gains
 from heave_studies.batch.lifts import SEA_TRACKER, LiftBatch, NotCoveredError
-from heave_studies.batch.screening import screening_words
-from heave_studies.study.cases import Cases
+from heave_studies.study.cases import Cases, screening_words
 from heave_studies.study.engine import run_study
 from heave_studies.study.plan import Study
 from heave_studies.study.table import FLAG, SCREENED

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
 from heave_node.interface.waves import Waves
 from heave_node.numerics.arrays import Array
@@ -61,11 +59,9 @@ class SecondOrderSource(MotionSource):
             motions.six[:, :, PITCH] = values[:, :, 2]
         return motions
 
-    def point_heave(self, lever: Array) -> Callable[[range], Array]:
+    def point_heave(self, lever: Array) -> HarmonicSum:
         """See MotionSource."""
-        row = [0.0, lever[HEAVE], lever[PITCH]]
-        one = self._sum.combined(np.array([row[: 2 + self._has_pitch]]))
-        return lambda ticks: one.at(ticks)[:, :, 0]
+        return self._sum.combined(np.array([[0.0, lever[HEAVE], lever[PITCH]][: 2 + self._has_pitch]]))
 
     def waves(self) -> Waves:
         """See MotionSource."""

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from itertools import takewhile
 
 import numpy as np
 from heave_node.interface.waves import Waves, from_start
@@ -58,22 +56,6 @@ class RampedSource(MotionSource):
             motions.six = weighted(motions.six, ramp)
             motions.elevation = motions.elevation * ramp[:, 0]
         return motions
-
-    def point_heave(self, lever: Array) -> Callable[[range], Array] | None:
-        """See MotionSource."""
-        still = self._source.point_heave(lever)
-        if still is None:
-            return None
-
-        def grown(ticks: range) -> Array:
-            motion = still(ticks)
-            since_start = ((tick - 1) * self._tick_period for tick in ticks)
-            ramp = [smooth_ramp(time, self._ramp) for time in takewhile(lambda time: time < self._ramp, since_start)]
-            if ramp:
-                motion[: len(ramp)] = weighted(motion[: len(ramp), :, None], np.array(ramp))[:, :, 0]
-            return motion
-
-        return grown
 
     def waves(self) -> Waves:
         """See MotionSource: with the ramp."""
@@ -139,10 +121,6 @@ class CourseSource(MotionSource):
         columns = np.broadcast_to(np.transpose(found), (4, len(motions.time)))
         motions.heading, motions.turn_rate, motions.turn_acceleration, motions.speed = columns
         return motions
-
-    def point_heave(self, lever: Array) -> Callable[[range], Array] | None:
-        """See MotionSource."""
-        return self._source.point_heave(lever)
 
     def waves(self) -> Waves:
         """See MotionSource."""

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Callable
 
 from heave_node.interface.waves import NO_WAVES, Waves
 from heave_node.numerics.arrays import Array
 
+from wave_vessel_node.sea.realisation import HarmonicSum
 from wave_vessel_node.vessel.motion import VesselMotions
 
 BLOCK = 64
@@ -34,16 +34,8 @@ class MotionSource(ABC):
         """Return height [m] and period [s] that describe the sea of a source without a spectrum; NaN: not known."""
         return math.nan, math.nan
 
-    def point_heave(self, lever: Array) -> Callable[[range], Array] | None:
-        """Return the vertical motion of a point by ticks, quicker than by `motions`; None where it is not known so.
-
-        It is displacement, rate and acceleration [m], [m/s], [m/s^2], shape (n, 3).
-
-        Parameters
-        ----------
-        lever : row z of `lever_arm_matrix` of the point, shape (6,)
-        """
-        del lever
+    def point_heave(self, lever: Array) -> HarmonicSum | None:  # noqa: ARG002
+        """Return the vertical motion of a point as one sum; None: it has none. `lever` is its row, shape (6,)."""
         return None
 
     def waves(self) -> Waves:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from functools import cached_property
 from itertools import takewhile
 
@@ -70,12 +69,9 @@ class RaoSource(MotionSource):
         motions.six, motions.elevation = values[:, :, :6], values[:, 0, 6]
         return motions
 
-    def point_heave(self, lever: Array) -> Callable[[range], Array] | None:
+    def point_heave(self, lever: Array) -> HarmonicSum | None:
         """See MotionSource: while heading and speed hold for the whole run."""
-        if len(self._legs) > 1:
-            return None
-        one = self._legs[0].combined(np.append(lever, 0.0)[None])
-        return lambda ticks: one.at(ticks)[:, :, 0]
+        return self._legs[0].combined(np.append(lever, 0.0)[None]) if len(self._legs) == 1 else None
 
     def waves(self) -> Waves:
         """See MotionSource: as met at the boom tip, while heading and speed hold for the whole run."""

@@ -93,11 +93,8 @@ class ResponseTable:
         by_heading[-1] = 0.0
         by_speed = speed_weights(self.speed, speed)
         counts = np.flatnonzero(by_speed)
-        found = self._in_frequency(frequency, self.response[counts])
-        parts = [
-            share * np.einsum("h,hdn->dn", by_heading, one) for share, one in zip(by_speed[counts], found, strict=True)
-        ]
-        return np.asarray(sum(parts))
+        found = [np.tensordot(by_heading, one, 1) for one in self._in_frequency(frequency, self.response[counts])]
+        return np.asarray(np.tensordot(by_speed[counts], found, 1))
 
     def sampled(self, frequency: Array) -> SampledResponse:
         """Return the table at given wave frequencies, for many headings and speeds.

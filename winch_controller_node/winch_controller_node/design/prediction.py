@@ -82,11 +82,11 @@ def sensor_periods(design: ControllerDesign) -> dict[str, tuple[int, int]]:
 class FilterModel:
     """The model with past values of late measurements as states, and the rows measured at each tick of the pattern."""
 
-    A: Array
-    Q: Array
-    rows: list[Array]
-    variances: list[Array]
-    names: list[list[str]]  # of the measurements of the rows
+    A: Array  # transition over a tick, past values among the states, shape (n, n)
+    Q: Array  # covariance of the process noise of a tick, shape (n, n)
+    rows: list[Array]  # of the readings at each tick of the pattern, shape (m, n)
+    variances: list[Array]  # of their noise, shape (m,)
+    names: list[list[str]]  # of their measurements
 
 
 def error_covariances(design: ControllerDesign) -> ErrorCovariances:

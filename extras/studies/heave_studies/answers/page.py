@@ -14,8 +14,8 @@ from heave_node.parameters import describe
 from heave_node.system_parameters import SYSTEM, own_name
 
 from heave_studies.answers.answer import Found
-from heave_studies.batch.screening import screening_words
 from heave_studies.study.case_file import CASE
+from heave_studies.study.cases import screening_words
 from heave_studies.study.cost import HEAD, cost_rows
 from heave_studies.study.table import LOST, MISSED, REASON, SCREENED, SEED, settings_of
 from heave_studies.study.workers import FAILURE

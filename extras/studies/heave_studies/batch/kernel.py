@@ -143,7 +143,7 @@ def heights_seen(
 
 @kernel
 def _command_of(control: Control, x: Array, authority: float, heave: float, rate: float) -> float:
-    """Return u for a share of the sea; the locked unit moves by `heave` and `rate` (core: `shift_state`)."""
+    """Return u at an `authority`; the locked unit moves by `heave` and `rate` (core: `shift_state`)."""
     command = 0.0
     for i in range(x.size):
         command -= control.law[i] * x[i] * (authority if control.of_sea[i] > 0.0 else 1.0)

@@ -143,7 +143,7 @@ def noises_seen(values: Array, nominal: float) -> Array:
 
 
 def settling_share(design: ControllerDesign, gain: Array, time: float) -> float:
-    """Return what is left of the slowest motion of unit and winch after a `time` [s] of compensation [-]."""
+    """Return what a `time` [s] under the `gain` of a `design` leaves of the slowest motion of unit and winch [-]."""
     model = design.model
     keep = [i for i, name in enumerate(model.state_names) if not (is_sea_state(name) or is_sensor_state(name))]
     closed = (model.A - np.outer(model.B[:, 0], gain))[np.ix_(keep, keep)]

@@ -100,8 +100,8 @@ def _run(options: argparse.Namespace) -> None:
     from heave_bringup.output import make_table, write_result
 
     from heave_studies.answers.page import render
-    from heave_studies.batch.screening import screening_words
     from heave_studies.kinds import Options, open_study
+    from heave_studies.study.cases import screening_words
     from heave_studies.study.cost import HEAD, cost_rows
     from heave_studies.study.engine import CSV, PAGE, PDF, TABLE, run_study
 
