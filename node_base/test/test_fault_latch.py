@@ -82,7 +82,7 @@ def test_the_rank_falls_only_by_a_release_at_rest_after_an_acknowledgement_since
 
 def test_what_is_found_again_with_other_figures_is_said_once():
     latch = FaultLatch()
-    for distance in (0.11, 0.12, 0.13):
+    for distance in (0.11, 0.12, -0.13):
         latch.trip(WinchFault.DRIVE, f"the drum has moved by {distance:+.2f} m")
     latch.trip(WinchFault.DRIVE, "the brake does not open")
     assert latch.words == "the drum has moved by +0.11 m; the brake does not open"

@@ -147,6 +147,20 @@ def test_a_clock_of_the_devices_own_and_its_values_for_not_available_are_those_o
         imported(tmp_path, text, wrong, "mru.log")
 
 
+@pytest.mark.parametrize("places", [[100], [700, 1500], [2000, 2001]])
+def test_a_time_that_is_wrong_costs_its_sample_alone(tmp_path, places):
+    """An hour ahead; all that came after it was left out."""
+    text = "".join(
+        f"T{1000.0 * (BEGUN.timestamp() + t + 3600.0 * (n in places)):.0f} H{up(t):.4f}\n" for n, t in enumerate(TIMES)
+    )
+    mapping = (
+        "format: line\npattern: 'T(?P<ms>[0-9]+) H(?P<h>[-0-9.]+)'\nheave: h\ndevice_time: {field: ms, unit: ms}\n"
+    )
+    sea = imported(tmp_path, text, mapping, "mru.log")
+    assert sea.time[-1] == pytest.approx(TIMES[-1] - TIMES[0], abs=0.1)
+    assert any(note.startswith(f"heave: {len(places)} sample") and "goes back by" in note for note in sea.notes)
+
+
 def test_a_log_of_datagrams_is_read_by_their_layout_and_their_counter_that_wraps(tmp_path):
     """A counter of 16 bits in 10 ms wraps each 655 s; 0x8000 is no heave."""
     data = b"".join(

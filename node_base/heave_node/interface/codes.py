@@ -120,7 +120,7 @@ def timed_words(message: str) -> list[tuple[float, str]]:
 
 TIME_KEY = re.compile(r"t = ([0-9.]+) s")
 """Pattern of the keys that `time_key` returns; its group is the time [s]."""
-_FIGURES = re.compile(r"[0-9.]+")
+_FIGURES = re.compile(r"[-+]?[0-9.]+")
 
 
 def without_figures(message: str) -> str:

@@ -118,7 +118,8 @@ def stale_words(device: LiveDevice, now: float, before: Mapping[str, float] | No
     age = device.adapter.watch.age(now)
     since = "no reading yet" if math.isnan(age) else f"no reading for {age:.1f} s"
     if not device.adapter.is_counting and "watchdog" in device.adapter.newest:
-        return f"watchdog has not counted for {age:.1f} s. Check that the PLC's program runs, and the map's watchdog"
+        stood = "stands still" if math.isnan(age) else f"has not counted for {age:.1f} s"
+        return f"watchdog {stood}. Check that the PLC's program runs, and the map's watchdog"
     return f"{since}: {_cause_of_silence(device, before or {})}"
 
 

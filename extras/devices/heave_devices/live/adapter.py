@@ -20,6 +20,7 @@ from heave_devices.live.drum_count import DrumCount
 from heave_devices.live.link_watch import LinkWatch
 from heave_devices.live.mru_maker import MruMaker
 from heave_devices.live.taker import Recent, Taken, Taker
+from heave_devices.live.without_steps import WithoutSteps
 from heave_devices.maps.device_map import DeviceMap
 
 _COUNT_BEGAN = 10**18
@@ -70,6 +71,7 @@ class Adapter:
         self.taker = Taker(device)
         self.watch = LinkWatch(device.timeout)
         self.heave = RecentMotion()
+        self._ship = WithoutSteps()
         self.newest: dict[str, float] = {}
         self.published = dict.fromkeys(device.outputs, 0)
         self._mru = MruMaker(device)
@@ -175,7 +177,7 @@ class Adapter:
 
     def _note_heave(self, now: float, heave: float) -> None:
         if math.isfinite(heave):
-            self.heave.add(now - self.device.latency, heave)
+            self.heave.add(now - self.device.latency, self._ship.at(now, heave))
 
     def _reading(self, topic: str, taken: Taken, stamp: int) -> WireReading | WinchReading | None:
         if topic == sensors.MRU.topic.name:

@@ -8,6 +8,7 @@ the sensor. The result is a CSV file with columns time_s, x_m, y_m, z_m, which `
 from __future__ import annotations
 
 import math
+from bisect import bisect_left
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -21,6 +22,7 @@ from heave_node.files.plausible import PLAUSIBLE, question, refusal, sea_questio
 from heave_node.numerics.arrays import Array
 from heave_node.numerics.kinematics import euler_part, turned
 from heave_node.numerics.spectral_estimate import RecordTooShortError, height_and_period
+from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
 from heave_devices.maps.channel import Channel, with_standard_frame
@@ -254,9 +256,7 @@ def _checked(source: Path, name: str, signal: Signal, mapping: SeaMapping, findi
     good = np.isfinite(signal.value) & np.isfinite(signal.time) & ~np.isin(signal.value, channel.invalid_values)
     numbers = without_marks(name, Signal(signal.time[good], signal.value[good]), findings)
     time, value = numbers.time, channel.factor(name) * numbers.value + channel.offset
-    later = np.ones(time.size, dtype=bool)
-    if time.size:
-        later[1:] = time[1:] > np.maximum.accumulate(time)[:-1]
+    later = _in_order(time)
     blank = 0 if _is_slower(time, signal.time) else int((~good).sum()) - findings.taken_out(name)
     left_out = blank + int((~later).sum())
     cause = _backward_words(time)
@@ -272,6 +272,32 @@ def _checked(source: Path, name: str, signal: Signal, mapping: SeaMapping, findi
     if checked.size < 10:
         raise BagError(f"{source}: {name} has {checked.size} usable samples, 10 are needed{cause}")
     return checked
+
+
+def _in_order(time: Array) -> NDArray[np.bool_]:
+    """Return which of some times [s] make up the longest series in which each is later than the one before.
+
+    So one time that is wrong costs one sample. By patience sorting: Fredman, Discrete Mathematics 11 (1975).
+    """
+    if not time.size or (np.diff(time) > 0.0).all():
+        return np.ones(time.size, dtype=bool)
+    ends: list[float] = []  # earliest end of a series of each length, and its place
+    places: list[int] = []
+    before = np.full(time.size, -1)
+    for index, now in enumerate(time.tolist()):
+        length = bisect_left(ends, now)
+        before[index] = places[length - 1] if length else -1
+        if length == len(ends):
+            ends.append(now)
+            places.append(index)
+        elif now < ends[length]:
+            ends[length], places[length] = now, index
+    kept = np.zeros(time.size, dtype=bool)
+    place = places[-1]
+    while place >= 0:
+        kept[place] = True
+        place = int(before[place])
+    return kept
 
 
 def _is_slower(time: Array, rows: Array) -> bool:
