@@ -42,3 +42,22 @@ def test_the_processes_of_the_loop_bound_its_speed():
     assert head.startswith("loop over ROS, 2 processes, recorded: 400 ticks/s, 20.0 x real time")
     assert table.row_count == 3
     assert bound.startswith("that allows at most ")
+
+
+def test_real_time_stands_beside_the_stalls_of_the_machine():
+    figures = {"p50_s": 1e-4, "p99_s": 2e-3, "max_s": 0.02}
+    row = {
+        "rate_hz": 100.0,
+        "duration_s": 600.0,
+        "composed": False,
+        **{f"loop_age_{name}": value for name, value in figures.items()},
+        "missed_deadlines": 3,
+        "load": 0.4,
+        "cpu_ms_per_tick": {"cable_sim": 0.5},
+        "histograms_ms": {"cable_sim: loop age": {"2": 590, "more": 10}},
+        "stalls": {**figures, "histogram_ms": {"0.5": 600}},
+    }
+    head, ages, histograms, _ = tables({"realtime": [row]})
+    assert head == "real time, 100 Hz for 600 s, 1 processes, recorded: 3 deadlines missed; load of the machine 0.4"
+    assert ages.row_count == 2
+    assert [str(column.header) for column in histograms.columns] == ["count up to [ms]", "0.5", "2", "more"]

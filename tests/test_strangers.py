@@ -58,7 +58,7 @@ def test_a_second_controller_moves_nothing_and_fails_the_run(tmp_path, pacing):
             rogue.wait(10.0)
     assert run.returncode == 1, run.stdout + run.stderr
     named = f"/rogue_controller (process {rogue.pid} on this machine) publishes on /winch/command"
-    assert f"virtual_winch: strangers: UNKNOWN_PUBLISHER (high): {named}" in run.stderr, (
+    assert f"cable_sim: strangers: UNKNOWN_PUBLISHER (high): {named}" in run.stderr, (
         "told on the terminal as it happens"
     )
     assert named in run.stderr.strip().splitlines()[-1], "and as the reason of the exit status"
@@ -69,7 +69,7 @@ def test_a_second_controller_moves_nothing_and_fails_the_run(tmp_path, pacing):
     assert columns["/winch/command"]["sequence"].max() < 10**9
     assert 0 < columns["/winch/state"]["command_sequence"][-1] < 10**9, "the lawful controller is not locked out"
     assert np.abs(columns["/winch/state"]["payout_rate"]).max() < 1.9, "the rogue asks for 2 m/s"
-    assert _errors_in(folder / "bag") >= {"virtual_winch: strangers", "cable_sim: strangers"}
+    assert "cable_sim: strangers" in _errors_in(folder / "bag")
 
 
 def _errors_in(bag) -> set[str]:

@@ -11,12 +11,12 @@ from heave_node.parameters import ParameterError
 
 SUMMARY = (
     "Measure the speed of the plant (beside MoorDyn) and of statics (beside MoorPy), the loop over ROS, the "
-    "controller and the recorder on this machine."
+    "controller and the recorder on this machine, and how late the loop is in real time."
 )
 
 EXAMPLE = "example: make bench BENCH='--only loop controller --json bench.json'"
 
-PARTS = ("plant", "statics", "loop", "controller", "recorder")
+PARTS = ("plant", "statics", "loop", "controller", "recorder", "realtime")
 SEGMENTS = (20, 50, 100, 200, 400, 1000)
 LONGEST_RECORDING = 20.0
 """The recorder's load is constant: more of it says nothing new [s]."""
@@ -25,6 +25,10 @@ LONGEST_RECORDING = 20.0
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the command's own arguments to `parser`."""
     parser.add_argument("--only", nargs="+", choices=PARTS, default=PARTS, metavar="PART", help=", ".join(PARTS))
+    parser.add_argument(
+        "--rates", nargs="+", type=float, default=(20.0, 50.0, 100.0), metavar="HZ", help="of the loop in real time"
+    )
+    parser.add_argument("--composed", action="store_true", help="in real time too all nodes in one process")
     parser.add_argument("--seconds", type=float, default=120.0, metavar="S", help="duration of each measurement")
 
 
@@ -64,6 +68,15 @@ def execute(options: argparse.Namespace) -> None:
             from benchmarks.bench.recorder import measure_recorder
 
             result["recorder"] = measure_recorder(min(options.seconds, LONGEST_RECORDING), progress.show)
+        if "realtime" in options.only:
+            from heave_bringup.run.run import Composed
+
+            from benchmarks.bench.realtime import measure_realtime
+
+            composed = Composed() if options.composed else None
+            result["realtime"] = [
+                measure_realtime(rate, options.seconds, progress.show, composed) for rate in options.rates
+            ]
     write_result(options, tables(result), result)
 
 

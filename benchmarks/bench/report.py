@@ -10,6 +10,7 @@ from typing import Any
 
 from heave_bringup.output import make_table
 from heave_node.extras import how_to_install
+from heave_node.tick.durations import LAST
 from rich.table import Table
 
 HOW_TO_GET_THE_PEER = "{} is not installed; to compare with it, " + how_to_install("bench")
@@ -88,6 +89,34 @@ def _recorder(values: dict[str, Any]) -> list[Table | str]:
     ]
 
 
+def _realtime(rows: list[dict[str, Any]]) -> list[Table | str]:
+    def line(name: str, values: Mapping[str, Any], prefix: str) -> list[str]:
+        return [name, *(f"{1e3 * values[f'{prefix}{key}']:.2f}" for key in ("p50_s", "p99_s", "max_s"))]
+
+    printed: list[Table | str] = []
+    for row in rows:
+        where = "one process" if row["composed"] else f"{len(row['cpu_ms_per_tick'])} processes"
+        printed += [
+            f"real time, {row['rate_hz']:g} Hz for {row['duration_s']:g} s, {where}, recorded: "
+            f"{row['missed_deadlines']} deadlines missed; load of the machine {row['load']:.1f}",
+            make_table(
+                ["wall time", "p50 ms", "p99 ms", "largest ms"],
+                [line("loop age", row, "loop_age_"), line("stalls of a process that sleeps", row["stalls"], "")],
+            ),
+        ]
+        histograms = {**row["histograms_ms"], "stalls of a process that sleeps": row["stalls"]["histogram_ms"]}
+        edges = sorted({edge for counts in histograms.values() for edge in counts}, key=_edge)
+        cells = [[name, *(str(counts.get(edge, "")) for edge in edges)] for name, counts in histograms.items()]
+        printed.append(make_table(["count up to [ms]", *edges], cells))
+        used = [[name, f"{milliseconds:.3f}"] for name, milliseconds in row["cpu_ms_per_tick"].items()]
+        printed.append(make_table(["process", "ms of processor time per tick"], used))
+    return printed
+
+
+def _edge(name: str) -> float:
+    return math.inf if name == LAST else float(name)
+
+
 _PARTS: dict[str, Callable[[Any], list[Table | str]]] = {
     "plant": _plant,
     "statics": _statics,
@@ -95,4 +124,5 @@ _PARTS: dict[str, Callable[[Any], list[Table | str]]] = {
     "composed_loop": _loop,
     "controller": _controller,
     "recorder": _recorder,
+    "realtime": _realtime,
 }

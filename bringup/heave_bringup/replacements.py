@@ -82,7 +82,7 @@ class Replacements:
             if node not in able:
                 raise ParameterError(f"{OPTION} {node}={LOCKSTEP}: NODE must be one of {', '.join(able)}")
         stay = tuple(name for name in run.participants if name not in self.left_out)
-        return replace(scenario, run=replace(run, participants=stay))
+        return replace(scenario, run=replace(run, participants=stay, foreign=self.lockstep))
 
 
 def add_replace(parser: argparse.ArgumentParser, help_: str, forms: str = FORMS, *, required: bool = False) -> None:

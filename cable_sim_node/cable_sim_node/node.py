@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import sys
-from functools import partial
-
 from heave_node.errors import NodeError
 from heave_node.interface import topics
 from heave_node.interface.messages import SensorMessages
@@ -13,7 +10,7 @@ from heave_node.numerics.constants import LARGEST_STRAIN
 from heave_node.ros.diagnostics import Health, Level, alarm_health
 from heave_node.ros.fault_service import FaultService
 from heave_node.ros.master import ClockMasterNode
-from heave_node.ros.process import run_node
+from heave_node.ros.process import run_process
 from heave_node.tick.tick import Tick
 
 from cable_sim_node import conversions
@@ -74,24 +71,24 @@ class CableSimNode(ClockMasterNode):
             self.state, readings = self.plant.readings(tick.number)
         except PlantError as error:
             raise NodeError(str(error)) from error
-        self._promise_readings(readings)
-        self._promise_state(self.state, tick)
+        self._publish_sensors(readings)
+        self._publish_state(self.state, tick)
 
-    def _promise_readings(self, readings: SensorReadings) -> None:
+    def _publish_sensors(self, readings: SensorReadings) -> None:
         """Publish what the sensors deliver; the controller waits for it."""
         for name, taken in all_to_wire(readings, self.plant.water).items():
             output, messages = self.sensor_outputs[name]
             for reading in taken:
-                output.publish_deferred(partial(messages.message, reading))
+                output.publish(messages.message(reading))
 
-    def _promise_state(self, state: PlantState, tick: Tick) -> None:
+    def _publish_state(self, state: PlantState, tick: Tick) -> None:
         """Publish the truth, which only the virtual winch waits for."""
         stamp = tick.start_nanoseconds
-        self.cable_state.publish_deferred(lambda: conversions.cable_state_message(state, stamp))
-        self.unit_odometry.publish_deferred(lambda: conversions.unit_odometry_message(state.unit, stamp))
-        self.uncompensated.publish_deferred(lambda: conversions.point_motion_message(state.uncompensated, stamp))
+        self.cable_state.publish(conversions.cable_state_message(state, stamp))
+        self.unit_odometry.publish(conversions.unit_odometry_message(state.unit, stamp))
+        self.uncompensated.publish(conversions.point_motion_message(state.uncompensated, stamp))
         if self._are_markers_due(tick):
-            self.markers.publish_deferred(lambda: plant_markers(state, self.parameters.seabed, tick.stamp))
+            self.markers.publish(plant_markers(state, self.parameters.seabed, tick.stamp))
 
     def on_advance(self, tick: Tick) -> None:
         """Integrate from `tick` k to t_{k+1} with what is here of then; what is missing is bridged and counted."""
@@ -179,7 +176,7 @@ class CableSimNode(ClockMasterNode):
 
 def main() -> None:
     """Run the node."""
-    sys.exit(run_node(CableSimNode))
+    run_process(CableSimNode)
 
 
 if __name__ == "__main__":

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import sys
-
 from heave_node.interface import topics
 from heave_node.interface.codes import WinchFault
 from heave_node.ros.diagnostics import Health, Level, alarm_health
 from heave_node.ros.fault_service import FaultService
 from heave_node.ros.participant import ParticipantNode
-from heave_node.ros.process import run_node
+from heave_node.ros.process import run_process
 from heave_node.tick.tick import Tick
 
 from cable_sim_node.alarms import fault_alarm
@@ -115,7 +113,7 @@ class VirtualWinchNode(ParticipantNode):
 
 def main() -> None:
     """Run the node."""
-    sys.exit(run_node(VirtualWinchNode))
+    run_process(VirtualWinchNode)
 
 
 if __name__ == "__main__":

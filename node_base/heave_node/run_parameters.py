@@ -40,6 +40,9 @@ class RunParameters:
     external: tuple[str, ...] = parameter((),
         description="Nodes, or single topics such as winch/load_cell, replaced by hardware or other programs. Their "
         "messages are used as they arrive; real time only.")  # fmt: skip
+    foreign: tuple[str, ...] = parameter((),
+        description="Nodes in whose place another program takes part in each tick (`--replace NODE=lockstep`): it may "
+        "publish each topic by itself.")  # fmt: skip
     external_clocks: tuple[str, ...] = parameter((),
         description="Clock of the stamps of each external node, as NODE=CLOCK: simulated (use_sim_time), own (its own "
         "clock), none (stamp 0: time of arrival), detect (from the first message; the default). NODE=CLOCK:S subtracts "

@@ -11,6 +11,7 @@ import os
 import signal
 import subprocess
 import sys
+import threading
 import time
 from dataclasses import dataclass
 
@@ -20,9 +21,9 @@ from heave_node.interface import topics
 from heave_node.parameters import parameter
 from heave_node.ros.master import ClockMasterNode
 from heave_node.ros.participant import ParticipantNode
-from heave_node.ros.process import run_composed, run_node
+from heave_node.ros.process import run_composed, run_process
+from heave_node.ros.transport.parents_death import exit_at_once
 from heave_node.tick.tick import seconds_of, stamp_of
-from rclpy.serialization import serialize_message
 
 FAULTS = (
     "",
@@ -38,7 +39,7 @@ FAULTS = (
     "raise",
     "bug",
 )
-MORE_FAULTS = ("slow", "doze", "bug_at_start")
+MORE_FAULTS = ("slow", "doze", "bug_at_start", "hang_at_exit")
 
 
 @dataclass(frozen=True)
@@ -86,14 +87,23 @@ class LoopNode(ParticipantNode):
         if fault in ("future_stamp", "old_stamp"):
             shift = 10_000_000_000 if fault == "future_stamp" else -tick.period_nanoseconds * 5
             message.header.stamp = stamp_of(tick.start_nanoseconds + shift)
-        if fault in ("lose", "lose_for_ever"):
+        if fault == "lose_for_ever":
             output.published += 1
-            if fault == "lose":
-                output._sent_this_tick.append(serialize_message(message))
             return
         output.publish(message)
-        if fault == "duplicate":
-            output.resend()
+        if fault in ("lose", "duplicate"):
+            self.send_next_part(0 if fault == "lose" else 2)
+
+    def send_next_part(self, times: int) -> None:
+        """Send the next part so many times, and those after it once."""
+        send = self.send_part
+
+        def send_once(part) -> None:
+            self.send_part = send
+            for _ in range(times):
+                send(part)
+
+        self.send_part = send_once
 
 
 class Sea(LoopNode):
@@ -164,6 +174,8 @@ class Winch(LoopNode):
 
     def on_exit(self) -> None:
         sys.stdout.write(f"oldest={self.oldest:.3f}\n")
+        if self.parameters.fault == "hang_at_exit":  # Python waits for it before it ends
+            threading.Thread(target=time.sleep, args=(60.0,)).start()
 
 
 class Plant(ClockMasterNode):
@@ -209,5 +221,5 @@ class Plant(ClockMasterNode):
 if __name__ == "__main__":
     programs = {program.name: program for program in (Sea, Controller, Winch, Plant)}
     if sys.argv[1] == "composed":
-        sys.exit(run_composed([Plant, Sea, Controller, Winch], sys.argv, is_public=False))
-    sys.exit(run_node(programs[sys.argv[1]]))
+        exit_at_once(run_composed([Plant, Sea, Controller, Winch], sys.argv, is_public=False))
+    run_process(programs[sys.argv[1]])

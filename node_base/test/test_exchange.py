@@ -10,6 +10,7 @@ from heave_node.interface import topics
 from heave_node.interface.topic import Topic
 from heave_node.ros.transport import exchange as module
 from heave_node.ros.transport.exchange import Exchange, LocalPublisher
+from heave_node.tick.protocol import Part
 from heave_node.tick.tick import stamp_of
 from rclpy.serialization import deserialize_message
 from rosgraph_msgs.msg import Clock
@@ -19,7 +20,7 @@ def make_publisher(exchange: Exchange, topic: Topic) -> tuple[LocalPublisher, li
     """Return a publisher and the messages that others get."""
     outside: list[bytes] = []
     name = f"/{topic.name}"
-    stands_in: Any = SimpleNamespace(topic_name=name, publish=outside.append)
+    stands_in: Any = SimpleNamespace(topic_name=name, publish=outside.append, get_subscription_count=lambda: 1)
     return exchange.add_publisher(topic, stands_in, "own"), outside
 
 
@@ -67,7 +68,7 @@ def test_who_publishes_and_who_reads_is_counted():
     publisher, _ = make_publisher(exchange, topics.BOOM_TIP)
     subscription = exchange.subscribe("/boom_tip", lambda *_: None)
     exchange.subscribe("/winch/state", lambda *_: None)
-    assert (publisher.get_subscription_count(), subscription.get_publisher_count()) == (1, 1)
+    assert (publisher.get_subscription_count(), subscription.get_publisher_count()) == (2, 1), "one is outside"
 
 
 @pytest.mark.parametrize(
@@ -87,6 +88,25 @@ def test_others_get_every_message_or_a_glance(monkeypatch, topic, is_public, exp
         publisher.publish(b"%d" % number)
         now[0] += 0.3 * module.GLANCE
     assert outside == expected
+
+
+def test_nothing_is_shown_where_nobody_looks():
+    publisher, outside = make_publisher(Exchange(is_public=False), topics.CABLE_STATE)
+    publisher._outside.get_subscription_count = lambda: 0
+    publisher.publish(b"unseen")
+    assert outside == []
+
+
+def test_a_part_of_a_tick_comes_as_it_is_and_goes_out_as_bytes():
+    exchange = Exchange(is_public=True)
+    publisher, outside = make_publisher(exchange, topics.TICK_LEAD)
+    heard: list[Part] = []
+    exchange.subscribe("/_tick/lead", lambda part, *_: heard.append(part))
+    part = Part(tick=3, epoch=1, published=(4, 5), messages=[(1, b"message")])
+    publisher.publish(part)
+    exchange.deliver(10.0)
+    assert heard == [part]
+    assert Part.of(outside[0]) == part
 
 
 def test_a_message_of_ros_is_serialised_once_for_all():

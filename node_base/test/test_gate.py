@@ -401,3 +401,35 @@ def test_who_may_publish_comes_with_the_roster():
     assert external.put(message(4), STRANGER)
     gate.set_roster(["sea", "plant"], ["/mru", "/load"])
     assert gate.inboxes["/mru"].put(message(5), "cc"), "no identities: anybody"
+
+
+def parts_gate() -> TickGate:
+    gate = TickGate(["/mru"], ["sea"])
+    gate.set_roster(["sea", "sea"], ["/_tick/part/sea", "/mru"], ["a", "a"])
+    return gate
+
+
+def test_a_part_brings_its_messages_once_and_copies_of_them_do_not_count():
+    gate = parts_gate()
+    gate.begin(1, 1, [0, 0])
+    assert gate.take_part("sea", 1, [(1, message(1)), (0, b"not read here")])
+    assert not gate.take_part("sea", 1, [(1, message(1))]), "it was sent again"
+    assert not gate.inboxes["/mru"].put(message(1), "a")
+    gate.peer_done("sea", 1, 1, [1, 1])
+    assert gate.is_complete()
+    assert gate.take("/mru") == [message(1)]
+
+
+def test_messages_of_a_part_that_was_lost_are_counted_as_lost():
+    gate = parts_gate()
+    gate.begin(1, 1, [0, 0])
+    gate.begin(1, 3, [2, 2])
+    gate.take_part("sea", 2, [(1, message(2))])
+    assert gate.lost() == 1
+
+
+def test_parts_of_another_process_of_the_node_are_counted_anew():
+    gate = parts_gate()
+    assert gate.take_part("sea", 7, [(1, message(1))])
+    gate.set_roster(["sea", "sea"], ["/_tick/part/sea", "/mru"], ["b", "b"])
+    assert gate.take_part("sea", 1, [(1, message(2))])

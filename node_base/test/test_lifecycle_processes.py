@@ -10,6 +10,9 @@ MANAGER = """
 import sys
 import time
 import rclpy
+from heave_msgs.msg import TickStatus
+from heave_node.interface import topics
+from heave_node.ros.transport.qos import qos_of
 from heave_node.ros.spin import Spinner
 from heave_node.ros.transport.environment import prepare_environment
 from lifecycle_msgs.msg import State, Transition
@@ -39,6 +42,11 @@ def reset(names):
 def shutdown(names):
     reset(names)
     bring(names[::-1], Transition.TRANSITION_UNCONFIGURED_SHUTDOWN, None)
+def until_it_runs():
+    seen = []
+    node.create_subscription(TickStatus, topics.TICK_STATUS.name, seen.append, qos_of(topics.TICK_STATUS.role))
+    while not (seen and seen[-1].tick > 20):
+        spinner.spin_for(0.05)
 names = sys.argv[1].split(",")
 """
 
@@ -99,7 +107,7 @@ def test_a_wait_for_the_manager_is_no_wait_for_the_clock_master(loop):
 
 def test_a_node_that_is_cleaned_up_in_a_run_ends_it_with_the_reason(loop):
     start_all(loop, duration=1e4, participant_timeout=30.0, strict=False)
-    manage(loop, "time.sleep(2.0)\nreset(names)", "virtual_winch")
+    manage(loop, "until_it_runs(); reset(names)", "virtual_winch")
     status, _, err = loop.end("cable_sim", timeout=10.0)
     assert status == 1
     assert "cable_sim: virtual_winch: it was cleaned up at t = " in err.splitlines()[-1]

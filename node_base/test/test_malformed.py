@@ -5,7 +5,7 @@ import math
 import pytest
 from heave_msgs.msg import TickJoin, TickRoster, TickStatus
 from heave_node.tick import malformed
-from heave_node.tick.protocol import TickDone, TickStart
+from heave_node.tick.protocol import Part
 
 
 @pytest.mark.parametrize(
@@ -37,10 +37,13 @@ def test_what_does_not_fit_together_is_said(check, message, fault):
 
 
 def test_counts_must_be_as_many_as_the_roster_has():
-    assert malformed.fault_in_start(TickStart(epoch=1, tick=1, published=[1, 2]), 2) == ""
-    assert malformed.fault_in_start(TickStart(epoch=1, tick=1, published=[1]), 2) == "it has 1 counts instead of 2"
-    assert malformed.fault_in_start(TickStart(epoch=1), 0) == "its epoch is 1 and its tick 0; both count from 1"
-    assert malformed.fault_in_done(TickDone(published=[1, 2, 3]), 2) == "it has 3 counts instead of 2"
+    lead = Part(epoch=1, tick=1, published=[1, 2], messages=[(0, b"x")])
+    assert malformed.fault_in_lead(lead, 2, 1) == ""
+    assert malformed.fault_in_lead(lead, 2, 0) == "it has a message of output 0 of 0"
+    assert malformed.fault_in_lead(lead, 3, 1) == "it has 2 counts instead of 3"
+    assert malformed.fault_in_lead(Part(epoch=1), 0, 1) == "its epoch is 1 and its tick 0; both count from 1"
+    assert malformed.fault_in_part(Part(published=[1, 2, 3]), 2) == "it has 3 counts instead of 2"
+    assert malformed.fault_in_part(Part(published=[1], messages=[(1, b"x")]), 1) == "it has a message of output 1 of 1"
 
 
 def test_whole_messages_pass():

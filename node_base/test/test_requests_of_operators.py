@@ -27,7 +27,7 @@ class Node(SimpleNamespace):
             strangers=SimpleNamespace(has_news=False, health=list),
             has_urgent_news=lambda: True,
             _asked={},
-            _diagnostics=SimpleNamespace(publish_deferred=lambda make: self.published.append(make())),
+            _diagnostics=SimpleNamespace(publish=self.published.append),
             **silent,
         )
 

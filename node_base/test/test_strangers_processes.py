@@ -11,7 +11,7 @@ import signal
 import time
 import rclpy
 from diagnostic_msgs.msg import DiagnosticArray
-from heave_msgs.msg import MruSample, TickDone, TickJoin, TickRoster, TickStart, TickStatus, WinchCommand
+from heave_msgs.msg import MruSample, TickJoin, TickPart, TickRoster, TickStatus, WinchCommand
 from heave_node.interface import topics
 from heave_node.ros.transport.environment import prepare_environment
 from heave_node.ros.transport.qos import qos_of
@@ -26,8 +26,8 @@ def publisher(topic, kind):
     return node.create_publisher(kind, topic.name, qos_of(topic.role))
 mru, command = publisher(topics.MRU, MruSample), publisher(topics.WINCH_COMMAND, WinchCommand)
 join, roster = publisher(topics.TICK_JOIN, TickJoin), publisher(topics.TICK_ROSTER, TickRoster)
-start, status = publisher(topics.TICK_START, TickStart), publisher(topics.TICK_STATUS, TickStatus)
-done = publisher(topics.tick_done_topic("wave_vessel"), TickDone)
+lead, status = publisher(topics.TICK_LEAD, TickPart), publisher(topics.TICK_STATUS, TickStatus)
+part = publisher(topics.tick_part_topic("wave_vessel"), TickPart)
 def hear(period):  # all that has come: one message at a time is slower than they come
     end = time.monotonic() + period
     while time.monotonic() < end:
@@ -46,11 +46,12 @@ while not is_over:
     join.publish(TickJoin(node="wave_vessel", outputs=["/mru"]))
     join.publish(b"\\x00\\x01\\x00\\x00\\xff\\xff\\xff\\xff")
     roster.publish(TickRoster(epoch=7, tick_period=float("nan"), nodes=["nobody"]))
-    start.publish(TickStart(epoch=7, tick=10**6, published=[1]))
+    lead.publish(TickPart(epoch=7, tick=10**6, published=[1]))
+    lead.publish(b"\\x00\\x01\\x00\\x00" + bytes([255] * 60))
     status.publish(TickStatus(state=TickStatus.FAILED, topics=["/mru"]))
-    done.publish(TickDone(epoch=1, tick=10**6, published=[1] * 99))
+    part.publish(TickPart(epoch=1, tick=10**6, published=[1] * 99, outputs=[98], sizes=[1], data=[0]))
     hear(0.005)
-    if not is_found and mru.get_subscription_count() >= 1 and start.get_subscription_count() >= 3:
+    if not is_found and part.get_subscription_count() >= 1 and lead.get_subscription_count() >= 3:
         is_found = True
         print("found", flush=True)
 hear(1.0)
@@ -88,8 +89,9 @@ def test_in_lockstep_a_stranger_shifts_nothing_and_is_named(loop):
     assert "on this machine) publishes on /winch/command but is not part of the run" in errors["cable_sim: strangers"]
     assert "on /_tick/join was rejected: it has 1 outputs, 0 matched_subscriptions" in errors["cable_sim: strangers"]
     assert "on /_tick/join was rejected: it cannot be decoded" in errors["cable_sim: strangers"]
-    assert "publishes on /mru" in errors["winch_controller: strangers"]
-    assert "publishes on /_tick/start" in errors["winch_controller: strangers"]
+    assert "publishes on /mru" in errors["cable_sim: strangers"]
+    assert "publishes on /_tick/part/wave_vessel" in errors["winch_controller: strangers"]
+    assert "publishes on /_tick/lead" in errors["winch_controller: strangers"]
     assert "Traceback" not in err
     assert [loop.end(name)[0] for name in ("wave_vessel", "winch_controller", "virtual_winch")] == [0, 0, 0]
 

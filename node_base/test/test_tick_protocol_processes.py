@@ -18,6 +18,13 @@ def test_every_node_has_exactly_the_messages_of_its_tick(loop):
     assert [loop.end(name)[0] for name in PEERS] == [0, 0, 0]
 
 
+def test_what_hangs_after_the_work_is_done_does_not_hold_up_the_end_of_a_process(loop):
+    start_all(loop, "virtual_winch", fault="hang_at_exit")
+    assert loop.end("cable_sim")[0] == 0
+    status, out, _ = loop.end("virtual_winch", timeout=15.0)
+    assert (status, out) == (0, "oldest=0.000\n")
+
+
 def test_a_missing_participant_is_named_and_ends_the_start(loop):
     loop.start("cable_sim", "wave_vessel", "virtual_winch", start_timeout=2.0)
     status, _, err = loop.end("cable_sim")

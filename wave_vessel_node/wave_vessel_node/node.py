@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import sys
-
 from heave_node.crane.messages import pose_message
 from heave_node.crane.pose import pose_to_wire
 from heave_node.errors import NodeError
@@ -15,7 +13,7 @@ from heave_node.interface.sensors import MRU, STANDARD_WATER
 from heave_node.ros.diagnostics import Health, Level, alarm_health
 from heave_node.ros.fault_service import FaultService
 from heave_node.ros.participant import ParticipantNode
-from heave_node.ros.process import run_node
+from heave_node.ros.process import run_process
 from heave_node.tick.tick import Tick
 
 from wave_vessel_node import conversions as messages
@@ -79,9 +77,9 @@ class WaveVesselNode(ParticipantNode):
             for pose in outputs.crane:
                 self.crane.publish(pose_message(pose_to_wire(pose)))
         end = tick.end_nanoseconds
-        self.boom_tip.publish_deferred(lambda: messages.boom_tip_message(outputs.boom_tip, end))
-        self.odometry.publish_deferred(lambda: messages.odometry_message(outputs.vessel, outputs.row, end))
-        self.elevation.publish_deferred(lambda: messages.elevation_message(outputs.wave_elevation, end))
+        self.boom_tip.publish(messages.boom_tip_message(outputs.boom_tip, end))
+        self.odometry.publish(messages.odometry_message(outputs.vessel, outputs.row, end))
+        self.elevation.publish(messages.elevation_message(outputs.wave_elevation, end))
         if outputs.estimate is not None:
             stamp = round(outputs.estimate.time * 1e9)
             self.estimate.publish(messages.estimate_message(outputs.estimate, stamp))
@@ -148,7 +146,7 @@ class WaveVesselNode(ParticipantNode):
 
 def main() -> None:
     """Run the node until its run ends."""
-    sys.exit(run_node(WaveVesselNode))
+    run_process(WaveVesselNode)
 
 
 if __name__ == "__main__":

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import os
-import sys
 
 from heave_msgs.msg import Observations as ObservationsMessage
 from heave_node.interface import topics
 from heave_node.ros.diagnostics import Health, Level, alarm_health
 from heave_node.ros.participant import ParticipantNode
-from heave_node.ros.process import run_node
+from heave_node.ros.process import run_process
 from heave_node.tick.roster import NOT_WAITED_FOR
 from heave_node.tick.tick import Tick
 from rclpy.serialization import deserialize_message
@@ -60,7 +59,7 @@ class WinchAdviserNode(ParticipantNode):
     def on_build(self) -> None:
         """Make the adviser, its input and its output."""
         self.beliefs = self.add_output(topics.CONTROLLER_BELIEFS)
-        self.add_raw_input(topics.CONTROLLER_OBSERVATIONS)
+        self.add_raw_input(topics.CONTROLLER_OBSERVATIONS, comes_alone=True)
         self._topic = self.resolve_topic_name(topics.CONTROLLER_OBSERVATIONS.name)
         self._has_worker = not self.run.is_lockstep and self.exchange is not None
         if not (self.run.is_lockstep or self._has_worker):
@@ -125,7 +124,7 @@ class WinchAdviserNode(ParticipantNode):
 
 def main() -> None:
     """Run the node until its run ends."""
-    sys.exit(run_node(WinchAdviserNode))
+    run_process(WinchAdviserNode)
 
 
 if __name__ == "__main__":

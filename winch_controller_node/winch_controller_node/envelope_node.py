@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import sys
-
 from geometry_msgs.msg import TwistStamped
 from heave_node.errors import NodeError
 from heave_node.interface import topics
@@ -12,7 +10,7 @@ from heave_node.interface.sensors import SENSORS, Water
 from heave_node.numerics.linear_model import ModelError
 from heave_node.ros.diagnostics import Health, Level, alarm_health
 from heave_node.ros.participant import ParticipantNode
-from heave_node.ros.process import run_node
+from heave_node.ros.process import run_process
 from heave_node.tick.tick import Tick
 from std_srvs.srv import Trigger
 
@@ -100,7 +98,7 @@ class WinchEnvelopeNode(ParticipantNode):
 
 def main() -> None:
     """Run the node until its run ends."""
-    sys.exit(run_node(WinchEnvelopeNode))
+    run_process(WinchEnvelopeNode)
 
 
 if __name__ == "__main__":

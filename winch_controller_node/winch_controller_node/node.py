@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import dataclasses
 import math
-import sys
 import time as wall
 from collections.abc import Sequence
 from typing import Any
@@ -36,7 +35,7 @@ from heave_node.ros.diagnostics import Health, Level, alarm_health
 from heave_node.ros.input_timing import TIMING
 from heave_node.ros.participant import ParticipantNode
 from heave_node.ros.ports import Input
-from heave_node.ros.process import run_node
+from heave_node.ros.process import run_process
 from heave_node.tick.durations import TickTimes
 from heave_node.tick.tick import Tick
 from rcl_interfaces.msg import SetParametersResult
@@ -169,14 +168,14 @@ class WinchControllerNode(ParticipantNode):
         self.command.publish(conversions.command_message(outputs.order, stamp))
         # a bag of a lockstep run says nothing of the machine
         reported = math.nan if self.run.is_lockstep else execution
-        self.state.publish_deferred(lambda: conversions.state_message(outputs.report, stamp, reported))
+        self.state.publish(conversions.state_message(outputs.report, stamp, reported))
         kpi = outputs.kpi
         if kpi is not None:
-            self.kpi.publish_deferred(lambda: conversions.kpi_message(kpi, stamp))
+            self.kpi.publish(conversions.kpi_message(kpi, stamp))
         observed = outputs.observations
         if observed is not None:
             nominal = self._nominal
-            self.observations.publish_deferred(lambda: observations_message(observed, nominal, stamp))
+            self.observations.publish(observations_message(observed, nominal, stamp))
             if self._has_adviser:
                 self.adviser.asked(tick.number)
         self._report(tick, outputs)
@@ -381,7 +380,7 @@ def _level_of(report: Report) -> Level:
 
 def main() -> None:
     """Run the node until its run ends."""
-    sys.exit(run_node(WinchControllerNode))
+    run_process(WinchControllerNode)
 
 
 if __name__ == "__main__":

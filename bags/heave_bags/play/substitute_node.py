@@ -20,7 +20,7 @@ from heave_node.ros.master import ClockMasterNode
 from heave_node.ros.node import HeaveNode
 from heave_node.ros.participant import ParticipantNode
 from heave_node.ros.ports import Output
-from heave_node.ros.process import run_node
+from heave_node.ros.process import run_process
 from heave_node.tick.tick import Tick
 
 from heave_bags.errors import BagError
@@ -105,7 +105,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(prog="substitute", description=__doc__)
     parser.add_argument("node", help="name of the node to replace, such as wave_vessel")
     arguments, rest = parser.parse_known_args()
-    sys.exit(run_node(substitute_type(arguments.node), [sys.argv[0], *rest]))
+    run_process(substitute_type(arguments.node), [sys.argv[0], *rest])
 
 
 if __name__ == "__main__":

@@ -7,7 +7,6 @@ it comes, and no disk holds it up.
 
 from __future__ import annotations
 
-import sys
 import time
 from collections import deque
 from collections.abc import Callable, Mapping, Sequence
@@ -22,10 +21,12 @@ from heave_node.interface.topic import Role, Topic
 from heave_node.ros.diagnostics import Health
 from heave_node.ros.node import expect_no, expect_sender, steady_clock
 from heave_node.ros.participant import HELD_MESSAGES, ParticipantNode
-from heave_node.ros.process import run_node
+from heave_node.ros.process import run_process
 from heave_node.ros.release import DISTRIBUTION
 from heave_node.ros.spin import sender_callback
+from heave_node.tick.gate import has_stamp
 from heave_node.tick.malformed import fault_in_join
+from heave_node.tick.protocol import Part
 from heave_node.tick.speakers import Speakers, Standing
 from heave_node.tick.tick import Tick
 
@@ -72,6 +73,8 @@ class RecorderNode(ParticipantNode):
         self._speakers: dict[str, Speakers] = {}
         self._before_roster: deque[Callable[[], None]] = deque(maxlen=HELD_MESSAGES)
         self._foreign: list[tuple[str, bytes]] = []
+        self._carried: set[str] = set()
+        self._identities: frozenset[str] = frozenset()
         self._tick_began = time.monotonic_ns()
         self._last_log_time = 0
         self._outcome: dict[str, str] = {}
@@ -85,6 +88,8 @@ class RecorderNode(ParticipantNode):
             except BagError as error:
                 raise NodeError(str(error)) from error
         self.create_protocol_subscription(topics.TICK_JOIN, self._on_join)
+        for node in self.run.participants:
+            self.hear_parts(node)
         self._looked_at = 0.0
         self._look()
         self.create_timer(LOOK_PERIOD, self._look, clock=steady_clock())
@@ -136,15 +141,15 @@ class RecorderNode(ParticipantNode):
 
     def _announced(self) -> set[str]:
         """Return the topics that other participants say they publish within ticks."""
-        return {topic for node, outputs in self._joined.items() if node != self.name for topic in outputs}
+        outputs = {topic for node, outputs in self._joined.items() if node != self.name for topic in outputs}
+        return {topic for topic in outputs if not topics.is_part(topic)}
 
     def is_ready(self) -> bool:
         """Return whether every participant has named its topics and all of them are subscribed to."""
         wanted = set(self.run.participants) - set(self.run.external) - {self.name}
         clock = self.resolve_topic_name(topics.CLOCK.name)
         has_master = any(clock in outputs for outputs in self._joined.values())
-        subscribed = self._announced() <= set(self._ports.subscriptions)
-        return self.is_active and has_master and wanted <= set(self._joined) and subscribed
+        return self.is_active and has_master and wanted <= set(self._joined) and self._announced() <= self._taken
 
     def _look(self) -> None:
         """Subscribe to what has appeared, and ask new nodes for their parameters."""
@@ -186,22 +191,33 @@ class RecorderNode(ParticipantNode):
             self.get_logger().warning(problem)
 
     def _subscribe_ticked(self, topic: str) -> None:
+        """Record what participants publish: it comes with their parts; of other programs it may come by itself."""
         self._take_topic(topic)
-        if not self.run.is_lockstep:
-            write = self._writer_of(topic)
-            if self.exchange is None:
-                self._ports.subscriptions[topic] = self.watch.subscribe(topic, sender_callback(write))
-            else:
-                heard = self.exchange.subscribe(topic, lambda data, identity, _: write(data, identity))
-                self._ports.subscriptions[topic] = heard
-            return
-        latched = all(offer.durability == "transient_local" for offer in self.watch.offers[topic])
-        role = Role.LATCHED if latched else Role.STREAM
-        keep = self._keep_callback(topic)
-        # what others say of themselves on /diagnostics, by clocks of their own, is no part of a run that a seed fixes
-        is_left_out = topic in self._owned or topic == self._diagnostics_topic
-        on_stranger = (lambda *_: None) if is_left_out else lambda _, data: keep(data)
-        self.add_raw_input(Topic(topic, self.watch.types[topic], "", role), on_stranger=on_stranger)
+        publishers = [node for node, outputs in self._joined.items() if topic in outputs]
+        foreign = next((node for node in publishers if node in self.run.foreign), "")
+        if self.run.is_lockstep:
+            latched = all(offer.durability == "transient_local" for offer in self.watch.offers[topic])
+            role = Role.LATCHED if latched else Role.STREAM
+            self.add_raw_input(Topic(topic, self.watch.types[topic], foreign, role))
+        elif foreign or topic == self._diagnostics_topic:
+            write = sender_callback(self._writer_of(topic))
+            self._ports.subscriptions[topic] = self.watch.subscribe(topic, write)
+
+    def take_messages(self, node: str, number: int, part: Part) -> None:
+        """See HeaveNode. In real time they are written when they come."""
+        if self.run.is_lockstep:
+            super().take_messages(node, number, part)
+        elif self.gate.take_part(node, number, ()) and self.is_active:
+            for output, data in part.messages:
+                topic = self._joined[node][output]
+                if topic in self._taken:
+                    self._write(topic, data)
+
+    def _write(self, topic: str, data: bytes) -> None:
+        """Write a message now, and take a snapshot where it reports the fault for one."""
+        self.session.write(topic, self._now(), data)
+        if topic == self._diagnostics_topic and self.parameters.snapshot_duration > 0.0:
+            self.controls.watch_for_faults(data)
 
     def _subscribe_foreign(self, topic: str) -> None:
         self._take_topic(topic)
@@ -222,15 +238,16 @@ class RecorderNode(ParticipantNode):
 
         On a topic that one node owns, only what that node says: what others say there is named, and no part of the run.
         """
-        write = self.session.write
         if topic in self._owned:
             speakers = Speakers(is_external=self.run.is_external(self._owned[topic]))
             self._speakers[topic] = speakers
 
             def take_lawful(data: bytes, identity: str) -> None:
                 standing = speakers.standing(identity)
+                if topic in self._carried:
+                    return  # a copy of what comes with the parts
                 if standing is Standing.LAWFUL:
-                    write(topic, self._now(), data)
+                    self.session.write(topic, self._now(), data)
                 elif standing is Standing.UNKNOWN:
                     self._before_roster.append(partial(take_lawful, data, identity))
                 else:
@@ -239,14 +256,11 @@ class RecorderNode(ParticipantNode):
                         speakers.release()
 
             return take_lawful
-        may_report_faults = topic == self._diagnostics_topic and self.parameters.snapshot_duration > 0.0
 
-        def take(data: bytes, _: str) -> None:
-            if not self.is_active:
-                return
-            write(topic, self._now(), data)
-            if may_report_faults:
-                self.controls.watch_for_faults(data)
+        def take(data: bytes, identity: str) -> None:
+            is_copy = identity in self._identities and has_stamp(data)
+            if self.is_active and not (topic == self._diagnostics_topic and is_copy):
+                self._write(topic, data)
 
         return take
 
@@ -267,6 +281,9 @@ class RecorderNode(ParticipantNode):
             if node != self.name:
                 publishers.setdefault(topic, set()).add(node)
         identities = dict(zip(message.nodes, message.identities, strict=True))
+        self._identities = frozenset(message.identities)
+        sends_parts = {node for node, topic in zip(message.nodes, message.topics, strict=True) if topics.is_part(topic)}
+        self._carried = {topic for topic, nodes in publishers.items() if nodes <= sends_parts}
         for topic, speakers in self._speakers.items():
             if not speakers.is_external:
                 speakers.appoint(identities[node] for node in publishers.get(topic, ()))
@@ -275,7 +292,8 @@ class RecorderNode(ParticipantNode):
             take()
         clock = self.resolve_topic_name(topics.CLOCK.name)
         (master,) = publishers[clock]
-        self._topic_publishers = {f"publishers.{topic}": " ".join(sorted(nodes)) for topic, nodes in publishers.items()}
+        recorded = {topic: nodes for topic, nodes in publishers.items() if not topics.is_part(topic)}
+        self._topic_publishers = {f"publishers.{topic}": " ".join(sorted(nodes)) for topic, nodes in recorded.items()}
         recorded = {topic: nodes for topic, nodes in publishers.items() if topic in self.gate.inboxes}
         shared = {topic: self._canonical_form(topic) for topic, nodes in recorded.items() if len(nodes) > 1}
         self._order = TickOrder(
@@ -415,7 +433,7 @@ def _is_start_of_another(name: str, own: str) -> bool:
 
 def main() -> None:
     """Run the recorder."""
-    sys.exit(run_node(RecorderNode))
+    run_process(RecorderNode)
 
 
 if __name__ == "__main__":

@@ -6,11 +6,10 @@ and the start barrier, pauses and ends the run; the readings come from the ship'
 
 from __future__ import annotations
 
-import sys
 from dataclasses import dataclass
 
 from heave_node.ros.master import ClockMasterNode
-from heave_node.ros.process import run_node
+from heave_node.ros.process import run_process
 
 NAME = "ship_clock"
 
@@ -35,7 +34,7 @@ class ShipClock(ClockMasterNode):
 
 def main() -> None:
     """Run the clock."""
-    sys.exit(run_node(ShipClock))
+    run_process(ShipClock)
 
 
 if __name__ == "__main__":

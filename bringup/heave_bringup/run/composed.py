@@ -6,6 +6,7 @@ import sys
 from collections.abc import Sequence
 
 from heave_node.ros.process import run_composed
+from heave_node.ros.transport.parents_death import exit_at_once
 
 from heave_bringup.nodes import PROCESS_BY_NAME
 
@@ -25,7 +26,7 @@ def main() -> None:
     ros = sys.argv.index("--ros-args")
     own = sys.argv[1:ros]
     nodes = [PROCESS_BY_NAME[name].node_type() for name in own if name != PUBLISH]
-    sys.exit(run_composed(nodes, [sys.argv[0], *sys.argv[ros:]], is_public=PUBLISH in own))
+    exit_at_once(run_composed(nodes, [sys.argv[0], *sys.argv[ros:]], is_public=PUBLISH in own))
 
 
 if __name__ == "__main__":

@@ -3,23 +3,23 @@
 from __future__ import annotations
 
 import time
-from typing import Any
 
 import rclpy
 from builtin_interfaces.msg import Time
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from heave_bags.analyse.events import ALARMS_PART, MODE_PART, SENSOR_PARTS
-from heave_msgs.msg import CableState, CompensationKpi, PointMotion, TickStatus
+from heave_msgs.msg import CompensationKpi, TickPart, TickRoster, TickStatus
 from heave_node.interface import topics
 from heave_node.interface.alarm import Severity, alarms_in, kind_of
 from heave_node.interface.codes import time_key, time_of
+from heave_node.interface.messages import MessageReader
 from heave_node.ros.process import in_namespace, node_beside
 from heave_node.ros.release import take_newest
 from heave_node.ros.spin import Spinner
 from heave_node.ros.transport.qos import qos_of
 from heave_node.ros.transport.strangers import PART as STRANGERS
+from heave_node.tick.protocol import Part
 from heave_node.tick.tick import seconds_of
-from nav_msgs.msg import Odometry
 from rclpy.node import Node
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 
@@ -30,6 +30,17 @@ DISCOVERY = 0.5
 
 One that shows itself later is noticed during the run.
 """
+
+PLANT = topics.CABLE_STATE.publisher
+TRUTH = {
+    topic.name: MessageReader(topic.type, (field,))
+    for topic, field in (
+        (topics.UNIT_ODOMETRY, "pose.pose.position.z"),
+        (topics.UNIT_UNCOMPENSATED, "position.z"),
+        (topics.CABLE_STATE, "touchdown_force"),
+    )
+}
+"""What is read of the truth."""
 
 NEWEST = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
 
@@ -47,28 +58,31 @@ class TruthSampler:
         self._node = Node(
             "heave_command_truth", namespace=namespace, cli_args=in_namespace(namespace), start_parameter_services=False
         )
-        kinds = (
-            (Odometry, topics.UNIT_ODOMETRY),
-            (PointMotion, topics.UNIT_UNCOMPENSATED),
-            (CableState, topics.CABLE_STATE),
-        )
-        self._readers = [self._node.create_subscription(kind, topic.name, print, NEWEST) for kind, topic in kinds]
-        self._newest: list[Any] = [None, None, None]
+        roster = topics.TICK_ROSTER
+        self._roster = self._node.create_subscription(TickRoster, roster.name, print, qos_of(roster.role))
+        # the plant leads the ticks, or takes part in them
+        parts = (topics.TICK_LEAD, topics.tick_part_topic(PLANT))
+        self._parts = [self._node.create_subscription(TickPart, topic.name, print, NEWEST) for topic in parts]
+        self._outputs: dict[int, str] = {}
 
     def look(self, live: LiveFigures) -> None:
         """Tell the newest to `live`."""
-        for number, reader in enumerate(self._readers):
-            taken = take_newest(reader)
+        roster = take_newest(self._roster)
+        if roster is not None:
+            own = [topic for node, topic in zip(roster.nodes, roster.topics, strict=True) if node == PLANT]
+            self._outputs = {
+                number: name for number, topic in enumerate(own) for name in TRUTH if topic.endswith(f"/{name}")
+            }
+        for reader in self._parts:
+            taken = take_newest(reader, raw=True)
             if taken is not None:
-                self._newest[number] = taken
-        unit, free, cable = self._newest
-        if unit is not None and free is not None and cable is not None:
-            live.note_truth(
-                seconds_of(unit.header.stamp),
-                unit.pose.pose.position.z,
-                free.position.z,
-                is_landed=cable.touchdown_force > 0.0,
-            )
+                self._note(Part.of(taken), live)
+
+    def _note(self, part: Part, live: LiveFigures) -> None:
+        found = {self._outputs[output]: data for output, data in part.messages if output in self._outputs}
+        if len(found) == len(TRUTH):
+            (unit, free, cable) = (TRUTH[name].reading(found[name]) for name in TRUTH)
+            live.note_truth(1e-9 * unit.stamp, unit.numbers[0], free.numbers[0], is_landed=cable.numbers[0] > 0.0)
 
     def close(self) -> None:
         """Leave ROS."""

@@ -15,7 +15,7 @@ from heave_node.errors import NodeError
 from heave_node.interface import topics
 from heave_node.parameters import ParameterError
 from heave_node.ros.participant import ParticipantNode
-from heave_node.ros.process import run_node
+from heave_node.ros.process import run_process
 from heave_node.tick.tick import Tick
 
 from heave_fmu.drive import FmuWinch, read_drive
@@ -79,7 +79,7 @@ def main() -> None:
     parser.add_argument("drive", type=Path, help="FMU, or map of one")
     arguments, rest = parser.parse_known_args()
     FmuWinchNode.drive = arguments.drive
-    sys.exit(run_node(FmuWinchNode, [sys.argv[0], *rest]))
+    run_process(FmuWinchNode, [sys.argv[0], *rest])
 
 
 if __name__ == "__main__":

@@ -21,6 +21,10 @@ class Role(Enum):
     """Reliable, transient local, and each message counts: late subscribers get the last few, oldest first."""
 
 
+LASTING = (Role.LATCHED, Role.KEPT)
+"""Roles of which late subscribers get what came before."""
+
+
 @dataclass(frozen=True)
 class Topic:
     """A topic of the suite."""

@@ -54,8 +54,20 @@ TICK_JOIN = Topic("_tick/join", "heave_msgs/msg/TickJoin", "")
 TICK_ROSTER = Topic("_tick/roster", "heave_msgs/msg/TickRoster", "", Role.LATCHED)
 TICK_START = Topic("_tick/start", "heave_msgs/msg/TickStart", "")
 TICK_STATUS = Topic("_tick/status", "heave_msgs/msg/TickStatus", "", Role.LATCHED)
+TICK_LEAD = Topic("_tick/lead", "heave_msgs/msg/TickPart", "")
+_PART = "_tick/part/"
 
 
 def tick_done_topic(node: str) -> Topic:
     """Return the topic on which `node` says that its part of a tick is done."""
     return Topic(f"_tick/done/{node}", "heave_msgs/msg/TickDone", node)
+
+
+def tick_part_topic(node: str) -> Topic:
+    """Return the topic on which `node`, not the clock master, sends its part of a tick."""
+    return Topic(f"{_PART}{node}", "heave_msgs/msg/TickPart", node)
+
+
+def is_part(name: str) -> bool:
+    """Return whether a topic with the resolved `name` carries parts of ticks."""
+    return name.endswith(f"/{TICK_LEAD.name}") or f"/{_PART}" in name

@@ -8,7 +8,6 @@ when the others have answered.
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
 from typing import Any, NamedTuple
 
 from heave_msgs.msg import TickJoin, TickRoster, TickStatus
@@ -21,6 +20,7 @@ from std_srvs.srv import SetBool, Trigger
 from heave_node.cdr.packer import Packer
 from heave_node.interface import topics
 from heave_node.interface.alarm import NODE_ALARMS
+from heave_node.interface.topic import Topic
 from heave_node.ros.diagnostics import Health, Level, alarm_health
 from heave_node.ros.input_timing import timing_health
 from heave_node.ros.node import HeaveNode, ProtocolError, expect_no, expect_sender, steady_clock
@@ -32,7 +32,7 @@ from heave_node.ros.transport.qos import mismatches
 from heave_node.ros.transport.real_time import after_tick
 from heave_node.tick import malformed
 from heave_node.tick.loop_timing import LoopTiming
-from heave_node.tick.protocol import TickDone, TickStart
+from heave_node.tick.protocol import Part
 from heave_node.tick.roster import NOT_WAITED_FOR, Participant, Roster
 from heave_node.tick.speakers import Speakers
 from heave_node.tick.tick import Tick
@@ -59,7 +59,6 @@ class _Protocol(NamedTuple):
     """Publishers by which the master leads the participants."""
 
     roster: Publisher[Any] | LocalPublisher
-    start: Publisher[Any] | LocalPublisher
     status: Publisher[Any] | LocalPublisher
 
 
@@ -93,14 +92,13 @@ class ClockMasterNode(HeaveNode):
         self._reset_wanted = False
         self._clock_started_at = 0.0
         self._waits = MasterWaits()
-        self._start_message = TickStart()
+        self._lead = Part()
+        self._start = self.add_apart(topics.TICK_START)
         self._clock_output = self.add_output(topics.CLOCK)
-        self._protocol = _Protocol(
-            *map(self.create_protocol_publisher, (topics.TICK_ROSTER, topics.TICK_START, topics.TICK_STATUS))
-        )
+        self._protocol = _Protocol(*map(self.create_protocol_publisher, (topics.TICK_ROSTER, topics.TICK_STATUS)))
         self.create_protocol_subscription(topics.TICK_JOIN, self._on_join)
         for node in peers:
-            self.create_protocol_subscription(topics.tick_done_topic(node), self._done_callback(node), TickDone.of)
+            self.hear_parts(node)
         self.create_service(SetBool, "simulation/pause", self._serve_pause)
         self.create_service(StepSimulation, "simulation/step", self._serve_step)
         self.create_service(Trigger, "simulation/reset", self._serve_reset)
@@ -222,6 +220,7 @@ class ClockMasterNode(HeaveNode):
         self._publish_roster()
         self._speakers = self._speakers or self._appoint_speakers()
         self.has_started = True
+        self.look_for_hearers()
         self.run_state = TickStatus.RUNNING
         self.timing.run_began()
         if self.run.is_lockstep:
@@ -242,9 +241,11 @@ class ClockMasterNode(HeaveNode):
 
     def _appoint_speakers(self) -> dict[str, Speakers]:
         """Return who may publish on each topic that one node owns, by resolved name."""
-        of_master = (topics.TICK_ROSTER, topics.TICK_START, topics.TICK_STATUS)
+        of_master = (topics.TICK_ROSTER, topics.TICK_START, topics.TICK_LEAD, topics.TICK_STATUS)
         lawful = {topic.name: [self.identity] for topic in of_master}
-        lawful |= {topics.tick_done_topic(p.name).name: [p.identity] for p in self.roster.participants.values()}
+        for p in self.roster.participants.values():
+            of_node = (topics.tick_done_topic(p.name), topics.tick_part_topic(p.name))
+            lawful |= {topic.name: [p.identity] for topic in of_node}
         owned = {topic.name: topic for topic in topics.ALL_TOPICS if topic.publisher}
         lawful |= {name: self.roster.identities_of(self.resolve_topic_name(name)) for name in owned}
         speakers: dict[str, Speakers] = {}
@@ -285,44 +286,54 @@ class ClockMasterNode(HeaveNode):
         self.clock_of_run.tick_began(tick.start_nanoseconds, time.monotonic_ns())
         self.timing.tick_began(number)
         self.begin_outputs()
-        self._clock_output.publish_deferred(lambda: _CLOCK.pack(tick.start_nanoseconds))
+        self._clock_output.publish(_CLOCK.pack(tick.start_nanoseconds))
         self.fail_on_error(lambda: self._publish_readings(tick))
         if not self.failure:
             self._send_start(tick, flush=False)
-            self.flush_deferred()
 
     def _publish_readings(self, tick: Tick) -> None:
         self.on_readings(tick)
         self.publish_diagnostics(tick)
 
     def _send_start(self, tick: Tick, *, flush: bool) -> None:
+        carried = self.take_carried()
         self.roster.answer(self.name, tick.number, self.published_counts())
         counters = self.roster.counters
         self.gate.begin(self.epoch, tick.number, counters)
-        self._start_message = TickStart(self.epoch, tick.number, flush, tick.start_nanoseconds, counters)
-        self._protocol.start.publish(self._start_message.to_bytes())
+        self._lead = Part(tick.number, self.epoch, counters, carried, 0, tick.start_nanoseconds, flush)
+        self._send_lead()
         self._report_recovery()
         self._waits.sent(self.run.resend_period)
 
+    def _send_lead(self) -> None:
+        self.send_part(self._lead)
+        if self._start.is_heard:
+            self._start.publish_uncounted(self._lead.to_start())
+
+    @property
+    def part_topic(self) -> Topic:
+        """See HeaveNode: the master's parts lead the others."""
+        return topics.TICK_LEAD
+
     @property
     def _is_flushing(self) -> bool:
-        return self._start_message.flush
+        return self._lead.flush
 
-    def _done_callback(self, node: str) -> Callable[[TickDone, str], None]:
-        def on_done(message: TickDone, identity: str) -> None:
-            participant = self.roster.participants.get(node)
-            if participant is None or not self.has_started:
-                return
-            expect_sender(identity, participant.identity)
-            expect_no(malformed.fault_in_done(message, len(participant.outputs)))
-            if message.epoch == self.epoch:
-                self.roster.answer(node, message.tick, message.published)
-                participant.lost = message.lost
-                self.gate.peer_done(node, message.epoch, message.tick, message.published)
-                self.timing.answered_up_to(self.roster.answered_by_all())
-                self._advance()
-
-        return on_done
+    def on_part(self, node: str, part: Part, identity: str, *, is_whole: bool = True) -> None:
+        """See HeaveNode."""
+        participant = self.roster.participants.get(node)
+        if participant is None or not self.has_started:
+            return
+        expect_sender(identity, participant.identity)
+        expect_no(malformed.fault_in_part(part, len(participant.outputs)))
+        if is_whole:
+            self.take_messages(node, part.published[0], part)
+        if part.epoch == self.epoch:
+            self.roster.answer(node, part.tick, part.published)
+            participant.lost = part.lost
+            self.gate.peer_done(node, part.epoch, part.tick, part.published)
+            self.timing.answered_up_to(self.roster.answered_by_all())
+            self._advance()
 
     def _advance(self) -> None:
         """End the tick as soon as all have answered and all inputs have come."""
@@ -368,11 +379,13 @@ class ClockMasterNode(HeaveNode):
         while self.run_state == TickStatus.RUNNING and not self.failure and not self._is_flushing:
             if self.tick_number >= elapsed or time.monotonic() - began > self.run.tick_period:
                 return
+            at = time.perf_counter()
             if self.tick is not None:
                 self._close_real_time_tick(self.tick)
                 self._begin_what_follows()
             else:
                 self._begin_tick(1)
+            self.work.add(time.perf_counter() - at)
 
     def _close_real_time_tick(self, tick: Tick) -> None:
         if not self._stepped:
@@ -460,7 +473,7 @@ class ClockMasterNode(HeaveNode):
         self.gate.end_run()
         self.roster.restart()
         self.tick = None
-        self._start_message = TickStart()
+        self._lead = Part()
         self.reset_run()
         self._clock_started_at = time.monotonic()
         self._begin_run()
@@ -506,7 +519,7 @@ class ClockMasterNode(HeaveNode):
             self.timing.resends += 1
             self.resend_outputs()
             self._publish_roster()
-            self._protocol.start.publish(self._start_message.to_bytes())
+            self._send_lead()
         behind = self.roster.unanswered(self.tick_number, flush=self._is_flushing)
         text = "; ".join(
             f"{p.name} has not finished tick {p.answered + 1}"

@@ -35,9 +35,9 @@ from heave_node.interface import topics
 from heave_node.interface.alarm import NODE_ALARMS
 from heave_node.interface.codes import OPERATOR, time_key, timed_message
 from heave_node.interface.messages import message_type
-from heave_node.interface.topic import Topic
+from heave_node.interface.topic import LASTING, Topic
 from heave_node.ros.diagnostics import Health, Level, alarm_health, diagnostic_array
-from heave_node.ros.input_timing import InputTiming
+from heave_node.ros.input_timing import InputTiming, timing_health
 from heave_node.ros.node_parameters import read_parameters
 from heave_node.ros.ports import Input, Output, Ports, decoder_of, of_any_machine, stamped
 from heave_node.ros.spin import timed_callback
@@ -54,14 +54,18 @@ from heave_node.ros.transport.qos import (
 from heave_node.ros.transport.real_time import collect_between_ticks, take_priority
 from heave_node.ros.transport.strangers import Strangers
 from heave_node.run_parameters import RunParameters
+from heave_node.tick.durations import Durations
 from heave_node.tick.external_clock import ExternalClock
 from heave_node.tick.gate import Inbox, TickGate
+from heave_node.tick.protocol import Part
 from heave_node.tick.simulated_clock import SimulatedClock
 from heave_node.tick.speakers import ANYONE
 from heave_node.tick.tick import Tick
 
 JOIN_PERIOD = 0.05
 """Wall time between two TickJoin messages while the run has not started [s]."""
+LOOK_EVERY = 10
+"""Ticks between two looks who hears the topics of a node by themselves."""
 DIAGNOSTICS_PERIOD = 1.0
 """Simulated time between two DiagnosticArray messages [s]."""
 
@@ -115,6 +119,7 @@ class HeaveNode(LifecycleNode):
     clock_of_run : simulated time by monotonic wall time [ns]
     strangers : processes noticed that are not part of the run
     protocol_times : how old the messages of the protocol are
+    work : this node's own time in each tick, in real time
     exchange : of the topics of a run whose nodes share one process; None: they go through the middleware
     """
 
@@ -146,6 +151,7 @@ class HeaveNode(LifecycleNode):
         self.clocks: dict[str, ExternalClock] = {}
         self.clock_of_run = SimulatedClock()
         self.protocol_times = ProtocolTimes()
+        self.work = Durations()
         self._ports = Ports()
         self._asked: dict[str, str] = {}
 
@@ -183,8 +189,14 @@ class HeaveNode(LifecycleNode):
         if topic.name in self.run.external:
             return Output(name, None)
         options = overriding_options(self, name, PUBLISHER, is_lockstep=self.run.is_lockstep)
-        output = Output(name, self._publisher(topic, options))
-        self._ports.outputs.append(output)
+        number, ports = len(self._ports.outputs), self._ports
+        output = Output(
+            name,
+            self._publisher(topic, options),
+            is_lasting=topic.role in LASTING,
+            carry=lambda data: ports.carried.append((number, data)),
+        )
+        ports.outputs.append(output)
         return output
 
     def add_input(
@@ -247,6 +259,8 @@ class HeaveNode(LifecycleNode):
         topic: Topic,
         decode: Callable[[bytes], Any] = bytes,
         on_stranger: Callable[[str, bytes], None] | None = None,
+        *,
+        comes_alone: bool = False,
     ) -> None:
         """Let the gate wait for the messages of a topic.
 
@@ -255,6 +269,7 @@ class HeaveNode(LifecycleNode):
         topic : its name, type, publisher and role
         decode : makes of the bytes of a message what the gate holds
         on_stranger : gets identity and bytes of messages of processes that may not publish here; None names them
+        comes_alone : the topic is heard by itself, not with each part of its publisher: it has a message now and then
         """
         name = self.resolve_topic_name(topic.name)
 
@@ -264,7 +279,13 @@ class HeaveNode(LifecycleNode):
                 inbox.speakers.release()
 
         is_external = self.run.is_external(topic)
-        inbox = self.gate.add_inbox(Inbox(name, decode, is_external=is_external, on_stranger=on_stranger or refuse))
+        inbox = self.gate.add_inbox(
+            Inbox(name, decode, is_external=is_external, comes_alone=comes_alone, on_stranger=on_stranger or refuse)
+        )
+        if not comes_alone:
+            self.hear_parts(topic.publisher)
+            if not is_external and topic.publisher not in self.run.foreign:
+                return
 
         def on_data(data: bytes, identity: str, _: int) -> None:
             if is_external and not self.has_started:
@@ -281,6 +302,36 @@ class HeaveNode(LifecycleNode):
         options = overriding_options(self, name, SUBSCRIPTION, is_lockstep=self.run.is_lockstep)
         self._ports.subscriptions[name] = self._subscription(topic, on_data, qos, options)
 
+    def hear_parts(self, node: str) -> None:
+        """Take in the parts of ticks of a `node`, if it is a participant other than this one."""
+        topic = topics.tick_part_topic(node)
+        is_participant = node in self.run.participants and node not in self.run.external and node != self.name
+        if is_participant and self.resolve_topic_name(topic.name) not in self._ports.subscriptions:
+            self.subscribe_to_parts(topic, lambda part, identity: self.on_part(node, part, identity))
+            if node in self.run.foreign:
+                done = topics.tick_done_topic(node)
+                self.create_protocol_subscription(
+                    done, lambda part, identity: self.on_part(node, part, identity, is_whole=False), Part.of_done
+                )
+
+    def subscribe_to_parts(self, topic: Topic, callback: Callable[[Part, str], None]) -> None:
+        """Subscribe to a `topic` of parts; the start of the run waits for its publisher. `callback` gets each one."""
+        name = self.resolve_topic_name(topic.name)
+        self._ports.subscriptions[name] = self.create_protocol_subscription(topic, callback, _part_of)
+
+    def on_part(self, node: str, part: Part, identity: str, *, is_whole: bool = True) -> None:
+        """Take in what a `node`, as the process of an `identity`, says of its `part` of a tick.
+
+        Not `is_whole`: its messages come by themselves.
+        """
+
+    def take_messages(self, node: str, number: int, part: Part) -> None:
+        """Let the gate take what a `part` of this `number` of a `node` carries. Raises ProtocolError for nonsense."""
+        try:
+            self.gate.take_part(node, number, part.messages)
+        except (RuntimeError, ValueError):
+            raise ProtocolError("it cannot be decoded") from None
+
     def take(self, port: Input) -> list[Any]:
         """Return what is new in this tick on the input `port`, oldest first."""
         assert self.tick is not None
@@ -290,8 +341,8 @@ class HeaveNode(LifecycleNode):
 
     def create_protocol_subscription(
         self, topic: Topic, callback: Callable[[Any, str], None], decode: Callable[[bytes], Any] | None = None
-    ) -> None:
-        """Subscribe to a topic of the tick protocol.
+    ) -> Subscription[Any] | LocalSubscription:
+        """Subscribe to a topic of the tick protocol, and return the subscription.
 
         Parameters
         ----------
@@ -315,7 +366,7 @@ class HeaveNode(LifecycleNode):
             except ProtocolError as error:
                 self.strangers.refuse(name, identity, str(error))
 
-        self._subscription(topic, on_data, reader_qos_of(topic.role, is_external=False))
+        return self._subscription(topic, on_data, reader_qos_of(topic.role, is_external=False))
 
     def create_protocol_publisher(self, topic: Topic) -> Publisher[Any] | LocalPublisher:
         """Return a publisher of a `topic` of the tick protocol."""
@@ -337,8 +388,9 @@ class HeaveNode(LifecycleNode):
         """Subscribe by the way that the nodes of this run hand each other messages."""
         name = self.resolve_topic_name(topic.name)
         if self.exchange is not None:
-            self._ports.local.append(self.exchange.subscribe(name, on_data))
-            return self._ports.local[-1]
+            local = self.exchange.subscribe(name, on_data)
+            self._ports.local.append(local)
+            return local
         callback = timed_callback(on_data)
         kind = message_type(topic.type)
         return self.create_subscription(kind, name, callback, qos, raw=True, qos_overriding_options=options)
@@ -349,6 +401,9 @@ class HeaveNode(LifecycleNode):
         """Build the component and join the tick protocol; `state` is the lifecycle state before."""
         self._before = self._entities()
         self._join = self.create_protocol_publisher(topics.TICK_JOIN)
+        part = self.part_topic
+        self._part = Output(self.resolve_topic_name(part.name), self.create_protocol_publisher(part))
+        self._ports.outputs.append(self._part)
         try:
             self._diagnostics = self.add_output(topics.DIAGNOSTICS)
             self.join_protocol()
@@ -432,7 +487,7 @@ class HeaveNode(LifecycleNode):
 
     def _destroy(self, entities: Iterable[Any]) -> None:
         """Destroy `entities` of this node; those of actions last, which are made of others."""
-        by_kind = {
+        by_kind: dict[type[Any], Callable[[Any], object]] = {
             Publisher: self.destroy_publisher,
             Subscription: self.destroy_subscription,
             Client: self.destroy_client,
@@ -440,9 +495,9 @@ class HeaveNode(LifecycleNode):
             Timer: self.destroy_timer,
         }
         for entity in entities:
-            destroy = next((by_kind[kind] for kind in by_kind if isinstance(entity, kind)), None)
-            if destroy is not None:
-                destroy(entity)
+            for kind, destroy in by_kind.items():
+                if isinstance(entity, kind):
+                    destroy(entity)
         for entity in set(entities) & set(self.waitables):
             entity.destroy()
 
@@ -452,6 +507,11 @@ class HeaveNode(LifecycleNode):
         return 1 if self.tick is None else self.tick.number + 1
 
     # Tick protocol: what both sides do -----------------------------------------------------------------------------
+
+    @property
+    def part_topic(self) -> Topic:
+        """Topic on which this node sends its parts of ticks."""
+        return topics.tick_part_topic(self.name)
 
     def join_protocol(self) -> None:
         """Make the publishers and subscriptions of the tick protocol."""
@@ -468,6 +528,17 @@ class HeaveNode(LifecycleNode):
             timer.cancel()
         else:
             self.publish_join()
+
+    def look_for_hearers(self) -> None:
+        """Look who hears the topics of this node by themselves: what nobody hears is not sent."""
+        for output in (*self._ports.outputs, *self._ports.apart):
+            output.look()
+
+    def add_apart(self, topic: Topic) -> Output:
+        """Return an output for a `topic` of the protocol that only nodes of other programs hear."""
+        output = Output(self.resolve_topic_name(topic.name), self.create_protocol_publisher(topic))
+        self._ports.apart.append(output)
+        return output
 
     def publish_join(self, waiting_for: str = "") -> None:
         """Tell the clock master what this node publishes and subscribes to, and why it has ended where it has.
@@ -495,20 +566,24 @@ class HeaveNode(LifecycleNode):
         )
 
     def begin_outputs(self) -> None:
-        """Discard on every output the messages of the previous tick."""
+        """Discard on every output the messages of the previous tick; look now and then who hears them."""
+        if self.tick is not None and self.tick.number % LOOK_EVERY == 0:
+            self.look_for_hearers()
         for output in self._ports.outputs:
             output.begin_tick()
 
-    def flush_deferred(self) -> None:
-        """Make and send the deferred messages of this tick; an error in making one ends this node."""
-        self.fail_on_error(self._flush_outputs)
+    def take_carried(self) -> list[tuple[int, bytes]]:
+        """Return the messages of this tick for its part, which is counted now."""
+        carried, self._ports.carried = self._ports.carried, []
+        self._part.published += 1
+        return carried
 
-    def _flush_outputs(self) -> None:
-        for output in self._ports.outputs:
-            output.flush_deferred()
+    def send_part(self, part: Part) -> None:
+        """Send a `part`, also again: whoever has it knows it by its number."""
+        self._part.publish_uncounted(part.to_bytes() if self.exchange is None else part)
 
     def resend_outputs(self) -> None:
-        """Send every message of this tick again."""
+        """Send again every message of this tick that was sent by itself."""
         for output in self._ports.outputs:
             output.resend()
 
@@ -542,7 +617,7 @@ class HeaveNode(LifecycleNode):
             requests = [Health(OPERATOR, Level.OK, timed_message(asked), asked)] if asked else []
             inputs = [*self.diagnose_inputs(), *self.diagnose_timing(), *self.strangers.health()]
             parts = [*self.diagnose(), *requests, *inputs] or [Health("node")]
-            self._diagnostics.publish_deferred(lambda: diagnostic_array(self.name, tick.stamp, parts))
+            self._diagnostics.publish(diagnostic_array(self.name, tick.stamp, parts))
 
     def publish_protocol_notice(self, text: str, level: Level) -> None:
         """Publish on /diagnostics, as `text`, what is wrong in wall time, and how much (`level`).
@@ -553,8 +628,9 @@ class HeaveNode(LifecycleNode):
         self._diagnostics.publish_uncounted(diagnostic_array(self.name, Time(), [part]))
 
     def diagnose_timing(self) -> list[Health]:
-        """Return how the messages of external nodes arrive, in wall time; nothing in lockstep."""
-        return [part for timing in self._ports.timings.values() for part in timing.diagnose()]
+        """Return this node's own time and how the messages of external nodes arrive, in wall time; not in lockstep."""
+        own = [timing_health("work in a tick", self.work.to_values())] if len(self.work) else []
+        return [*own, *(part for timing in self._ports.timings.values() for part in timing.diagnose())]
 
     def diagnose_inputs(self) -> list[Health]:
         """Return what is to be said of the clocks of external nodes, and of messages that were refused."""
@@ -603,6 +679,11 @@ class HeaveNode(LifecycleNode):
 
     def on_idle(self) -> None:
         """Look at the wall clock; called a few times per second from the spin loop."""
+
+
+def _part_of(data: bytes | Part) -> Part:
+    """Return the part that a message is; within a process it comes as it is."""
+    return data if isinstance(data, Part) else Part.of(data)
 
 
 def steady_clock() -> Clock:

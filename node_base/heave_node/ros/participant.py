@@ -19,7 +19,7 @@ from heave_node.ros.node import HeaveNode, ProtocolError, expect_no, expect_send
 from heave_node.ros.silence import Patience, Silence
 from heave_node.ros.transport.real_time import after_tick
 from heave_node.tick import malformed
-from heave_node.tick.protocol import TickDone, TickStart
+from heave_node.tick.protocol import Part
 from heave_node.tick.punctuality import Punctuality
 from heave_node.tick.roster import KnownRoster
 from heave_node.tick.tick import Tick
@@ -59,8 +59,10 @@ class ParticipantNode(HeaveNode):
     def join_protocol(self) -> None:
         """Make the publisher and the subscriptions by which a participant follows the clock master and answers it."""
         self.punctuality = Punctuality()
-        self._starts: deque[TickStart] = deque()
-        self._answered: TickStart | None = None
+        self._starts: deque[Part] = deque()
+        self._done_with: Part | None = None
+        self._answered = Part()
+        self._sent: Part | None = None
         self._roster: TickRoster | None = None
         self._known = KnownRoster()
         self._early: deque[Callable[[], None]] = deque(maxlen=HELD_MESSAGES)
@@ -69,12 +71,12 @@ class ParticipantNode(HeaveNode):
         self._left_out = self._lost = 0
         self._making_up_since = math.inf
         self._is_advancing = False
-        self._done = self.create_protocol_publisher(topics.tick_done_topic(self.name))
+        self._done = self.add_apart(topics.tick_done_topic(self.name))
         self.create_protocol_subscription(topics.TICK_ROSTER, self._on_roster)
-        self.create_protocol_subscription(topics.TICK_START, self._on_start, TickStart.of)
+        self.subscribe_to_parts(topics.TICK_LEAD, self._on_lead)
         self.create_protocol_subscription(topics.TICK_STATUS, self._on_status)
         for node in self.gate.after:
-            self.create_protocol_subscription(topics.tick_done_topic(node), self._done_callback(node), TickDone.of)
+            self.hear_parts(node)
         if not self.run.is_lockstep:
             wait = self.run.in_tick_wait * self.run.tick_period
             self._deadline = self.create_timer(wait, self._on_deadline, clock=steady_clock())
@@ -84,17 +86,17 @@ class ParticipantNode(HeaveNode):
             )
             self._catch_up.cancel()
 
-    def _done_callback(self, node: str) -> Callable[[TickDone, str], None]:
-        def on_done(message: TickDone, identity: str) -> None:
-            if not self.has_started:
-                self._early.append(lambda: on_done(message, identity))
-                return
-            expect_sender(identity, self._known.identity_of(node))
-            expect_no(malformed.fault_in_done(message, self._known.outputs_of(node)))
-            self.gate.peer_done(node, message.epoch, message.tick, message.published)
-            self._advance()
-
-        return on_done
+    def on_part(self, node: str, part: Part, identity: str, *, is_whole: bool = True) -> None:
+        """See HeaveNode."""
+        if not self.has_started:
+            self._early.append(lambda: self.on_part(node, part, identity, is_whole=is_whole))
+            return
+        expect_sender(identity, self._known.identity_of(node))
+        expect_no(malformed.fault_in_part(part, self._known.outputs_of(node)))
+        if is_whole:
+            self.take_messages(node, part.published[0], part)
+        self.gate.peer_done(node, part.epoch, part.tick, part.published)
+        self._advance()
 
     def _on_roster(self, message: TickRoster, identity: str) -> None:
         """Take the roster of the run that this very process takes part in, and the process that sent it as master."""
@@ -119,6 +121,7 @@ class ParticipantNode(HeaveNode):
         self._silence.end()
         self.gate.set_roster(message.nodes, message.topics, message.identities)
         self.has_started = True
+        self.look_for_hearers()
         if round(message.tick_period * 1e9) != self.run.tick_nanoseconds:
             self.fail(
                 f"tick_period is {self.run.tick_period} s here, but {message.tick_period} s at the clock master: "
@@ -126,16 +129,18 @@ class ParticipantNode(HeaveNode):
             )
         self._begin_next()
 
-    def _on_start(self, message: TickStart, identity: str) -> None:
+    def _on_lead(self, message: Part, identity: str) -> None:
         """Queue a tick. A tick that came before is the master asking again for an answer that it did not get."""
         if not self.has_started:
-            self._early.append(lambda: self._on_start(message, identity))
+            self._early.append(lambda: self._on_lead(message, identity))
             self._leave_foreign_run(message, identity)
             return
         expect_sender(identity, self._known.master)
-        expect_no(malformed.fault_in_start(message, len(self._known.nodes)))
+        master = self._known.nodes[0]
+        expect_no(malformed.fault_in_lead(message, len(self._known.nodes), self._known.outputs_of(master)))
+        self.take_messages(master, message.published[0], message)
         self._silence.end()
-        newest = self._starts[-1] if self._starts else self._answered
+        newest = self._starts[-1] if self._starts else self._done_with
         if newest is None or _order(message) > _order(newest):
             self._starts.append(message)
             self.clock_of_run.tick_began(message.stamp, time.monotonic_ns())
@@ -178,7 +183,7 @@ class ParticipantNode(HeaveNode):
         The end of a run is no tick, and is not left out.
         """
         now = time.monotonic()
-        if self.run.is_lockstep or len(self._starts) < 2:
+        if len(self._starts) < 2:
             self._making_up_since = math.inf
         self._making_up_since = min(self._making_up_since, now)
         if now - self._making_up_since < CATCH_UP_LIMIT:
@@ -196,7 +201,7 @@ class ParticipantNode(HeaveNode):
         text = f"{self._left_out} ticks left out: this node takes too long"
         return [Health("ticks", Level.WARN, text), *super().diagnose_timing()]
 
-    def _leave_foreign_run(self, message: TickStart, identity: str) -> None:
+    def _leave_foreign_run(self, message: Part, identity: str) -> None:
         """End this node where the run that is under way began without it."""
         if self.run.is_lockstep and self._known.other_master == identity and message.tick > 1 + self.lag:
             self.fail(
@@ -206,7 +211,8 @@ class ParticipantNode(HeaveNode):
 
     def _begin_next(self) -> None:
         """Enter the oldest tick of the queue, once its roster is known."""
-        self._jump_if_behind()
+        if not self.run.is_lockstep:
+            self._jump_if_behind()
         if not self._starts or self._starts[0].epoch > self._known.epoch:
             return
         start = self._starts[0]
@@ -219,7 +225,8 @@ class ParticipantNode(HeaveNode):
         self.begin_outputs()
         if not self.run.is_lockstep:
             self._deadline.reset()
-        self._patience = Patience()
+        if start.flush:
+            self._patience = Patience()
         self._advance()
 
     def _advance(self) -> None:
@@ -260,6 +267,7 @@ class ParticipantNode(HeaveNode):
 
     def _step(self) -> None:
         """Do this node's part of the tick, answer, and enter the next tick if one is queued."""
+        began = time.perf_counter()
         start = self._starts.popleft()
         tick = self.tick
         assert tick is not None
@@ -271,10 +279,10 @@ class ParticipantNode(HeaveNode):
             self.fail_on_error(lambda: self._do_tick(tick))
         if self.failure:
             return
-        self._answered = start
-        if start.flush or self.answers(start.tick):
-            self._answer()
-        self.flush_deferred()
+        self._done_with = start
+        self._answer(start, is_due=start.flush or self.answers(start.tick))
+        if not self.run.is_lockstep:
+            self.work.add(time.perf_counter() - began)
         if not self._starts and not start.flush and start.tick < self.run.tick_count:
             self.fail_on_error(lambda: self.prepare(start.tick + 1))
         after_tick()
@@ -298,22 +306,31 @@ class ParticipantNode(HeaveNode):
     def before_answer(self) -> None:
         """Make what was done so far last: an answer, the first one or one asked for again, vouches for it."""
 
-    def _answer(self) -> None:
-        assert self._answered is not None
-        self.fail_on_error(self.before_answer)
-        if self.failure:
+    def _answer(self, start: Part, *, is_due: bool) -> None:
+        """Send this node's part of the tick that began with `start`; one that `is_due` says that the tick is done."""
+        if is_due:
+            self.fail_on_error(self.before_answer)
+            if self.failure:
+                return
+            self._answered = start
+        if not is_due and not self._ports.carried:
             return
-        lost = self._lost if self._answered.flush else 0
-        done = TickDone(self._answered.epoch, self._answered.tick, lost, self.published_counts())
-        self._done.publish(done.to_bytes())
+        carried, done = self.take_carried(), self._answered
+        lost = self._lost if done.flush else 0
+        self._sent = Part(done.tick, done.epoch, self.published_counts(), carried, lost)
+        self.send_part(self._sent)
+        if is_due and self._done.is_heard:
+            self._done.publish_uncounted(self._sent.to_done())
 
     def _answer_again(self) -> None:
         """Send this tick's messages and answer again, or say what is missing."""
-        if self._starts:
+        if self._starts or self._done_with is None:
             self.publish_join(self.gate.missing())
-        else:
-            self.resend_outputs()
-            self._answer()
+            return
+        self.resend_outputs()
+        if self._sent is not None:
+            self.send_part(self._sent)
+        self._answer(self._done_with, is_due=True)
 
     def _on_status(self, message: TickStatus, identity: str) -> None:
         if self.has_started:
@@ -368,5 +385,5 @@ class ParticipantNode(HeaveNode):
         self._join.wait_for_all_acked(Duration(seconds=REPORTED_TIMEOUT))
 
 
-def _order(message: TickStart) -> tuple[int, int]:
+def _order(message: Part) -> tuple[int, int]:
     return (message.epoch, message.tick)

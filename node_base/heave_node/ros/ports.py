@@ -25,76 +25,69 @@ from heave_node.tick.tick import Tick, nanoseconds_of, stamp_of
 
 
 class Output:
-    """A topic that a node publishes within ticks. It counts its messages and keeps those of this tick for a resend.
-
-    `publish` sends at once: for what the next node waits for. `publish_deferred` counts at once, but makes and sends
-    the message only after this node has reported its part of the tick done, so that the others work meanwhile.
+    """A topic that a node publishes within ticks: with its part of the tick, and by itself for whoever hears the topic.
 
     Parameters
     ----------
     topic : resolved name
     publisher : of rclpy, or in memory; None on a topic that comes from outside: what this node would say there is
         neither counted nor sent
+    is_lasting : it is published by itself also where nobody hears it yet
+    carry : takes each message of this tick for the part
 
     Attributes
     ----------
-    published : messages since the start, deferred ones included
+    published : messages since the start
+    is_heard : somebody heard the topic by itself at the last look
     """
 
-    def __init__(self, topic: str, publisher: Publisher[Any] | LocalPublisher | None) -> None:
+    def __init__(
+        self,
+        topic: str,
+        publisher: Publisher[Any] | LocalPublisher | None,
+        *,
+        is_lasting: bool = False,
+        carry: Callable[[bytes], None] = lambda _: None,
+    ) -> None:
         self.topic = topic
         self._publisher = publisher
+        self._is_lasting = self.is_heard = is_lasting
+        self._carry = carry
         self.published = 0
         self._sent_this_tick: list[bytes] = []
-        self._deferred: list[Callable[[], object]] = []
 
     @property
     def hearers(self) -> int:
         """Number of subscriptions that the middleware has matched."""
         return 0 if self._publisher is None else self._publisher.get_subscription_count()
 
+    def look(self) -> None:
+        """Look whether anybody hears the topic."""
+        self.is_heard = self._is_lasting or self.hearers > 0
+
     def publish(self, message: object) -> None:
         """Send a `message`, or the bytes of a serialised one, as part of this tick."""
         if self._publisher is not None:
             self.published += 1
-            self._send(message, self._publisher)
+            # Serialised once: padding bytes are not defined, and receivers know a repeated message by its bytes.
+            data = message if isinstance(message, bytes) else serialize_message(message)
+            self._carry(data)
+            if self.is_heard:
+                self._sent_this_tick.append(data)
+                self._publisher.publish(data)
 
     def publish_uncounted(self, message: object) -> None:
         """Send a `message` that is part of no tick."""
         if self._publisher is not None:
             self._publisher.publish(message)
 
-    def publish_deferred(self, make: Callable[[], object]) -> None:
-        """Count a message of this tick now, and send it with the next `flush_deferred`.
-
-        Parameters
-        ----------
-        make : returns the message; called before the node takes anything of the next tick
-        """
-        if self._publisher is not None:
-            self.published += 1
-            self._deferred.append(make)
-
-    def flush_deferred(self) -> None:
-        """Make and send the deferred messages."""
-        if self._publisher is None or not self._deferred:
-            return
-        deferred, self._deferred = self._deferred, []
-        for make in deferred:
-            self._send(make(), self._publisher)
-
-    def _send(self, message: object, publisher: Publisher[Any] | LocalPublisher) -> None:
-        # Serialised once: padding bytes are not defined, and receivers know a repeated message by its bytes.
-        data = message if isinstance(message, bytes) else serialize_message(message)
-        self._sent_this_tick.append(data)
-        publisher.publish(data)
-
     def begin_tick(self) -> None:
         """Discard the messages of the previous tick."""
-        self._sent_this_tick.clear()
+        if self._sent_this_tick:
+            self._sent_this_tick.clear()
 
     def resend(self) -> None:
-        """Send the messages of this tick again, uncounted: receivers know them by their bytes."""
+        """Send the messages of this tick that were heard again, uncounted: receivers know them by their bytes."""
         for data in self._sent_this_tick:
             self.publish_uncounted(data)
 
@@ -239,7 +232,9 @@ class Input:
 class Ports:
     """All that a node publishes and reads within ticks."""
 
-    outputs: list[Output] = field(default_factory=list)  # in the order in which they were added
+    outputs: list[Output] = field(default_factory=list)  # in the order of their making; first that of the parts
+    apart: list[Output] = field(default_factory=list)  # outputs that are no part of ticks
+    carried: list[tuple[int, bytes]] = field(default_factory=list)  # messages of this tick that wait for the part
     inputs: list[Input] = field(default_factory=list)  # in the order in which they were added
     timings: dict[str, InputTiming] = field(default_factory=dict)  # of inputs of external nodes, by topic
     subscriptions: dict[str, Subscription[Any] | LocalSubscription] = field(default_factory=dict)  # by resolved topic

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import atexit
 import os
 import signal
 import sys
@@ -10,7 +11,7 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from functools import partial
 from types import FrameType
-from typing import Any
+from typing import Any, NoReturn
 
 import rclpy
 from rclpy.lifecycle import TransitionCallbackReturn
@@ -25,7 +26,7 @@ from heave_node.ros.spin import IDLE_PERIOD, Spinner, spin
 from heave_node.ros.transport.environment import is_bound_to_loopback, prepare_environment
 from heave_node.ros.transport.exchange import Exchange
 from heave_node.ros.transport.exposure import exposed_ports, own_sockets
-from heave_node.ros.transport.parents_death import close_with, end_with, launcher_of
+from heave_node.ros.transport.parents_death import close_with, end_with, exit_at_once, launcher_of
 from heave_node.ros.transport.real_time import between_looks
 from heave_node.ros.transport.watchdog import watched_end, watched_start
 
@@ -56,6 +57,14 @@ def run_node(node_type: type[HeaveNode], args: list[str] | None = None) -> int:
         standard error, `<node>: <what>`
     """
     return _run([node_type], args, _spin_one)
+
+
+def run_process(node_type: type[HeaveNode], args: list[str] | None = None) -> NoReturn:
+    """Run a node of `node_type` with the command line `args` as `run_node` does, and end this process with its status.
+
+    The middleware's libraries are not taken apart by then: Fast DDS can lock up in that, after all its work is done.
+    """
+    exit_at_once(run_node(node_type, args))
 
 
 def run_composed(node_types: Sequence[type[HeaveNode]], args: list[str], *, is_public: bool) -> int:
@@ -199,6 +208,7 @@ def shut_down(nodes: Sequence[HeaveNode]) -> None:
         node.destroy_node()
     rclpy.try_shutdown()
     signal.alarm(0)
+    atexit.register(signal.alarm, SHUTDOWN_TIMEOUT)  # a program that ends by itself takes the middleware apart
 
 
 def _exposure(node: HeaveNode, inherited: set[str]) -> str:
@@ -220,6 +230,7 @@ def _on_idle(node: HeaveNode) -> None:
     launcher = launcher_of(os.environ)
     if launcher is not None and os.getppid() != launcher:
         node.fail("its parent process has ended")
+    node.look_for_hearers()
     node.on_idle()
     between_looks()
 

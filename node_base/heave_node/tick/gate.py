@@ -1,8 +1,8 @@
 """What a node has received of a tick, and what it still lacks: the receiving half of the tick protocol, without ROS.
 
 DDS keeps the order within a topic but not across topics. So every publisher counts what it sends, the counts travel in
-TickStart and TickDone, and a node steps when it has received as many messages on each input as its publishers say they
-have sent.
+each part of a tick, and a node steps when it has received as many messages on each input as its publishers say they
+have sent: with the parts themselves, or, of a node of another program, one by one.
 """
 
 from __future__ import annotations
@@ -11,6 +11,7 @@ from collections import deque
 from collections.abc import Callable, Collection, Sequence
 from typing import Any
 
+from heave_node.interface.topics import is_part
 from heave_node.tick.speakers import ANYONE, Speakers, Standing
 
 _STAMP = slice(4, 12)
@@ -21,18 +22,29 @@ _HELD = 1000
 """Messages that wait at most for the roster to say who may publish."""
 
 
+def has_stamp(data: bytes) -> bool:
+    """Return whether the stamp of a message (`data`) that begins with a Header, or is a Clock, is set."""
+    return data[_STAMP] != _NO_STAMP
+
+
 class Inbox:
     """Messages of one topic in order of arrival, each once.
 
-    A message that comes again byte for byte (its tick was sent again) is dropped. One with stamp 0 was sent before the
-    run began and is not counted. One of a process that has no business here is not counted either.
+    Of those that come by themselves, one that comes again byte for byte (its tick was sent again) is dropped. One with
+    stamp 0 was sent before the run began and is not counted. One of a process that has no business here is not counted
+    either.
 
     Parameters
     ----------
     topic : resolved name
     decode : makes of the bytes what `take` gives; called on arrival, while the node waits for the rest of its tick
     is_external : the topic comes from outside the protocol, see Speakers
+    comes_alone : its messages are never taken from parts
     on_stranger : gets identity and bytes of a message of a process that may not speak here
+
+    Attributes
+    ----------
+    is_carried : its messages come with the parts of their publishers: those that come by themselves are copies
     """
 
     def __init__(
@@ -41,10 +53,13 @@ class Inbox:
         decode: Callable[[bytes], Any] = bytes,
         *,
         is_external: bool = False,
+        comes_alone: bool = False,
         on_stranger: Callable[[str, bytes], None] | None = None,
     ) -> None:
         self.topic = topic
+        self.comes_alone = comes_alone
         self.speakers = Speakers(is_external=is_external)
+        self.is_carried = False
         self._on_stranger = on_stranger
         self._held: deque[tuple[bytes, str]] = deque(maxlen=_HELD)
         self.received = 0
@@ -72,8 +87,10 @@ class Inbox:
         -------
         False where the message was dropped, or waits for the roster to say whether its sender may publish.
         """
+        if self.is_carried:
+            return False
         is_external = self.speakers.is_external  # hardware need not stamp, and may well say the same thing twice
-        if data[_STAMP] == _NO_STAMP and not is_external:
+        if not has_stamp(data) and not is_external:
             return False
         standing = self.speakers.standing(identity)
         if standing is Standing.UNKNOWN:
@@ -87,9 +104,18 @@ class Inbox:
             self.duplicates += 1
             return False
         self._recent.append(data)
+        self.accept(data)
+        return True
+
+    def accept(self, data: bytes) -> None:
+        """Take the bytes (`data`) of a message that is known to be new and lawful."""
         self._waiting.append(self._decode(data))
         self.received += 1
-        return True
+
+    @property
+    def holds_any(self) -> bool:
+        """Whether a message waits to be taken."""
+        return bool(self._waiting)
 
     def end_run(self) -> None:
         """Discard the bytes of past messages: the next run may begin with the same ones."""
@@ -120,9 +146,13 @@ class TickGate:
         self.after = tuple(after)
         self.tick = (0, 0)
         self._publishers: dict[str, list[tuple[str, int, int]]] = {}
+        self._carried: dict[str, list[Inbox | None]] = {}
+        self._parts: dict[str, int] = {}
+        self._identities: dict[str, str] = {}
         self._started: Sequence[int] = ()
         self._done: dict[str, tuple[tuple[int, int], Sequence[int]]] = {}
-        self._expected: dict[str, int] = {}
+        self._plain: list[tuple[Inbox, int]] = []
+        self._others: list[tuple[Inbox, list[tuple[str, int, int]]]] = []
         self._lacking: list[tuple[Inbox, int]] | None = None
         self._before: dict[str, int] = {}
 
@@ -139,26 +169,60 @@ class TickGate:
         identities : of the process of each entry; empty: anybody may publish
         """
         position_in_node: dict[str, int] = {}
+        self._carried = {node: [] for node in nodes}
+        identities_before, self._identities = self._identities, dict(zip(nodes, identities, strict=False))
+        for node, identity in self._identities.items():
+            if identities_before.get(node) != identity:  # a new process counts anew
+                self._parts.pop(node, None)
+        sends_parts = {node for node, topic in zip(nodes, topics, strict=True) if is_part(topic)}
         self._publishers = {topic: [] for topic in self.inboxes}
         for entry, (node, topic) in enumerate(zip(nodes, topics, strict=True)):
             position = position_in_node.get(node, 0)
             position_in_node[node] = position + 1
+            inbox = self.inboxes.get(topic)
+            self._carried[node].append(None if inbox is None or inbox.comes_alone else inbox)
             if topic in self._publishers:
                 self._publishers[topic].append((node, entry, position))
         for topic, inbox in self.inboxes.items():
+            names = {node for node, _, _ in self._publishers[topic]}
+            inbox.is_carried = bool(names) and names <= sends_parts and not inbox.comes_alone
             entries = [entry for _, entry, _ in self._publishers[topic]]
             if entries or not inbox.speakers.is_external:
                 inbox.appoint([identities[entry] for entry in entries] if identities else [ANYONE])
-        self._count_anew()
+        # most topics are counted by the start of a tick alone, and are many
+        rows = [(self.inboxes[topic], publishers) for topic, publishers in self._publishers.items()]
+        is_plain = [len(row) == 1 and row[0][0] not in self.after for _, row in rows]
+        self._plain = [(box, row[0][1]) for (box, row), plain in zip(rows, is_plain, strict=True) if plain]
+        self._others = [row for row, plain in zip(rows, is_plain, strict=True) if not plain]
+        self._lacking = None
 
     def begin(self, epoch: int, tick: int, published: Sequence[int]) -> None:
         """Enter tick `tick` of run `epoch`, before which `published` messages were sent (per entry of the roster)."""
         is_late = self.tick == (0, 0) and tick > 1
         self.tick = (epoch, tick)
         self._started = published
-        self._count_anew()
+        self._lacking = None
         if is_late:  # in the place of a process that has left: what that one got is not lost
             self._before = {topic: max(0, self.expected(topic) - box.received) for topic, box in self.inboxes.items()}
+
+    def take_part(self, node: str, number: int, messages: Sequence[tuple[int, bytes]]) -> bool:
+        """Take the messages that a part of a tick carries; return False where it had come before.
+
+        Parameters
+        ----------
+        node : that sent it
+        number : of the part, counted by the node
+        messages : number of the output and bytes of each
+        """
+        if number <= self._parts.get(node, 0):
+            return False
+        self._parts[node] = number
+        inboxes = self._carried[node]
+        for output, data in messages:
+            inbox = inboxes[output]
+            if inbox is not None:
+                inbox.accept(data)
+        return True
 
     def peer_done(self, node: str, epoch: int, tick: int, published: Sequence[int]) -> None:
         """Note that `node` has done its part of tick `tick` of run `epoch`.
@@ -171,22 +235,11 @@ class TickGate:
         """
         if node in self.after:
             self._done[node] = ((epoch, tick), published)
-            self._count_anew()
-
-    def _count_anew(self) -> None:
-        """Discard the results of the counts: one of them has changed."""
-        self._expected = {}
-        self._lacking = None
+            self._lacking = None
 
     def expected(self, topic: str) -> int:
         """Return how many messages on `topic` since the start this node must have in this tick."""
-        return self._counts().get(topic, 0)
-
-    def _counts(self) -> dict[str, int]:
-        """Return how many messages are expected, by topic."""
-        if not self._expected:
-            self._expected = {name: self._count(publishers) for name, publishers in self._publishers.items()}
-        return self._expected
+        return self._count(self._publishers.get(topic, ()))
 
     def _count(self, publishers: Sequence[tuple[str, int, int]]) -> int:
         """Return how many messages the entries of `publishers` stand for, by the newest counts."""
@@ -204,10 +257,11 @@ class TickGate:
             if self._tick_of(node) < self.tick:
                 return False
         if self._lacking is None:
-            inboxes = self.inboxes
-            self._lacking = [
-                (inboxes[topic], count) for topic, count in self._counts().items() if inboxes[topic].received < count
-            ]
+            started = self._started
+            plain = self._plain if started else ()
+            self._lacking = [(box, started[entry]) for box, entry in plain if box.received < started[entry]]
+            counted = [(box, self._count(publishers)) for box, publishers in self._others]
+            self._lacking += [(box, count) for box, count in counted if box.received < count]
         lacking = self._lacking  # called after each message, so complete inputs are not checked again
         while lacking and lacking[-1][0].received >= lacking[-1][1]:
             lacking.pop()
@@ -239,7 +293,8 @@ class TickGate:
 
     def take(self, topic: str) -> list[Any]:
         """Return the new messages on `topic`; in lockstep those of the next tick stay in the inbox."""
-        return self.inboxes[topic].take(self._due(topic))
+        inbox = self.inboxes[topic]
+        return inbox.take(self._due(topic)) if inbox.holds_any else []
 
     def clear(self) -> None:
         """Drop the messages of this tick."""

@@ -10,7 +10,7 @@ from collections.abc import Sized
 
 from heave_msgs.msg import TickJoin, TickRoster, TickStatus
 
-from heave_node.tick.protocol import TickDone, TickStart
+from heave_node.tick.protocol import Part
 
 
 def fault_in_join(message: TickJoin) -> str:
@@ -31,16 +31,19 @@ def fault_in_roster(message: TickRoster) -> str:
     return _unequal(nodes=message.nodes, identities=message.identities, topics=message.topics)
 
 
-def fault_in_start(message: TickStart, entries: int) -> str:
-    """Check the number of the tick of a `message`, and that it has a count for each of the `entries` of the roster."""
-    if message.epoch < 1 or message.tick < 1:
-        return f"its epoch is {message.epoch} and its tick {message.tick}; both count from 1"
-    return _wrong_number(message.published, entries)
+def fault_in_lead(part: Part, counts: int, outputs: int) -> str:
+    """Check the number of the tick of a master's `part`, and that it has a count for each entry of the roster.
+
+    `counts` is the number of entries, `outputs` that of those of the master.
+    """
+    if part.epoch < 1 or part.tick < 1:
+        return f"its epoch is {part.epoch} and its tick {part.tick}; both count from 1"
+    return _wrong_number(part.published, counts) or _unknown_output(part, outputs)
 
 
-def fault_in_done(message: TickDone, outputs: int) -> str:
-    """Check that a `message` has a count for each of the `outputs` that the roster has for the node."""
-    return _wrong_number(message.published, outputs)
+def fault_in_part(part: Part, outputs: int) -> str:
+    """Check that a `part` has a count for each of the `outputs` that the roster has for the node, and no others."""
+    return _wrong_number(part.published, outputs) or _unknown_output(part, outputs)
 
 
 def fault_in_status(message: TickStatus) -> str:
@@ -59,3 +62,10 @@ def _unequal(**lists: Sized) -> str:
 
 def _wrong_number(published: Sized, expected: int) -> str:
     return "" if len(published) == expected else f"it has {len(published)} counts instead of {expected}"
+
+
+def _unknown_output(part: Part, outputs: int) -> str:
+    for output, _ in part.messages:
+        if output >= outputs:
+            return f"it has a message of output {output} of {outputs}"
+    return ""

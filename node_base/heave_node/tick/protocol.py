@@ -1,53 +1,94 @@
-"""The two messages of the protocol that every node sends or reads in every tick, as plain data and as bytes."""
+"""What every node sends or reads in every tick, as plain data and as bytes: its part of the tick in one message.
+
+A node of another program may follow the protocol without parts: it publishes each topic by itself and answers by
+TickDone, and whoever hears TickStart, TickDone or a topic gets those too.
+"""
 
 from __future__ import annotations
 
+import struct
 from collections.abc import Sequence
+from functools import lru_cache
+from struct import Struct
 from typing import NamedTuple
 
+from heave_node.cdr.layout import LITTLE_ENDIAN, LayoutError
 from heave_node.cdr.packer import Packer
 from heave_node.cdr.unpacker import Unpacker
 
+_SECOND = 1_000_000_000
+_ALIGNMENT = 4
+"""What the middleware fills the length of a message up to: DDSI-RTPS 2.5, section 10.2.1.2."""
+_HEAD = Struct("<4sQIIiIB3xI")
 _START, _START_FIELDS = "heave_msgs/msg/TickStart", ("epoch", "tick", "flush", "stamp", "published")
 _DONE, _DONE_FIELDS = "heave_msgs/msg/TickDone", ("epoch", "tick", "lost", "published")
-_start_packer, _start_unpacker = Packer(_START, _START_FIELDS), Unpacker(_START, _START_FIELDS)
+_start_packer = Packer(_START, _START_FIELDS)
 _done_packer, _done_unpacker = Packer(_DONE, _DONE_FIELDS), Unpacker(_DONE, _DONE_FIELDS)
 
 
-class TickStart(NamedTuple):
-    """A tick begins; see heave_msgs/TickStart, whose names these are."""
+@lru_cache(maxsize=1000)
+def _tail(counts: int, messages: int) -> Struct:
+    """Return the form of the sequences behind the head but for the data: `counts` numbers and two of `messages`."""
+    return Struct(f"<{counts}II{messages}II{messages}II")
 
-    epoch: int = 0  # number of the run
+
+class Part(NamedTuple):
+    """A node's part of a tick; see heave_msgs/TickPart, whose names these are."""
+
     tick: int = 0  # number of the tick
-    flush: bool = False  # the run is over: answer when every message of it is here
-    stamp: int = 0  # start of the tick [ns]
-    published: Sequence[int] = ()  # messages sent so far, per entry of the roster
-
-    def to_bytes(self) -> bytes:
-        """Return the message."""
-        return _start_packer.pack(*self)
-
-    @classmethod
-    def of(cls, data: bytes) -> TickStart:
-        """Return what the message `data` says. Raises LayoutError where it is no such message."""
-        epoch, tick, flush, seconds, nanoseconds, *published = _start_unpacker.unpack(data)
-        return cls(epoch, tick, flush, seconds * 1_000_000_000 + nanoseconds, published)
-
-
-class TickDone(NamedTuple):
-    """A node has done its part of a tick; see heave_msgs/TickDone, whose names these are."""
-
     epoch: int = 0  # number of the run
-    tick: int = 0  # number of the tick
+    published: Sequence[int] = ()  # messages sent so far, per output of the node; by the master per entry of the roster
+    messages: Sequence[tuple[int, bytes]] = ()  # of the tick: number of the output, and bytes
     lost: int = 0  # messages of the run that never came to the node, at the end of one in real time
-    published: Sequence[int] = ()  # messages sent so far, per output of the node
+    stamp: int = 0  # start of the tick [ns], of the master's part
+    flush: bool = False  # the run is over: answer when every message of it is here
 
     def to_bytes(self) -> bytes:
-        """Return the message."""
-        return _done_packer.pack(*self)
+        """Return the message TickPart."""
+        counts, number = len(self.published), len(self.messages)
+        seconds, nanoseconds = divmod(self.stamp, _SECOND)
+        outputs = [output for output, _ in self.messages]
+        data = [data for _, data in self.messages]
+        sizes = [len(one) for one in data]
+        head = _HEAD.pack(LITTLE_ENDIAN, self.tick, self.epoch, self.lost, seconds, nanoseconds, self.flush, counts)
+        tail = _tail(counts, number).pack(*self.published, number, *outputs, number, *sizes, sum(sizes))
+        return b"".join((head, tail, *data))
 
     @classmethod
-    def of(cls, data: bytes) -> TickDone:
-        """Return what the message `data` says. Raises LayoutError where it is no such message."""
+    def of(cls, data: bytes) -> Part:
+        """Return what the message TickPart `data` says. Raises LayoutError where it is no such message."""
+        try:
+            kind, tick, epoch, lost, seconds, nanoseconds, flush, counts = _HEAD.unpack_from(data)
+            (number,) = _LENGTH.unpack_from(data, _HEAD.size + 4 * counts)
+            form = _tail(counts, number)
+            numbers = form.unpack_from(data, _HEAD.size)
+        except (struct.error, MemoryError) as error:
+            raise LayoutError(f"it is no TickPart: {error}") from None
+        outputs, sizes = numbers[counts + 1 : counts + 1 + number], numbers[counts + 2 + number : -1]
+        place = _HEAD.size + form.size
+        is_padded = 0 <= len(data) - place - sum(sizes) < _ALIGNMENT
+        if kind[:2] != LITTLE_ENDIAN[:2] or numbers[counts + 1 + number] != number or not is_padded:
+            raise LayoutError("it is no TickPart: its lengths do not fit")
+        messages = []
+        for output, size in zip(outputs, sizes, strict=True):
+            messages.append((output, data[place : place + size]))
+            place += size
+        stamp = seconds * _SECOND + nanoseconds
+        return cls(tick, epoch, numbers[:counts], messages, lost, stamp, bool(flush))
+
+    def to_start(self) -> bytes:
+        """Return the message TickStart of the master's part."""
+        return _start_packer.pack(self.epoch, self.tick, self.flush, self.stamp, self.published)
+
+    def to_done(self) -> bytes:
+        """Return the message TickDone of a participant's part."""
+        return _done_packer.pack(self.epoch, self.tick, self.lost, self.published)
+
+    @classmethod
+    def of_done(cls, data: bytes) -> Part:
+        """Return what the message TickDone `data` says. Raises LayoutError where it is no such message."""
         epoch, tick, lost, *published = _done_unpacker.unpack(data)
-        return cls(epoch, tick, lost, published)
+        return cls(tick, epoch, published, (), lost)
+
+
+_LENGTH = Struct("<I")

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 
+from heave_node.interface.topics import is_part
 from heave_node.tick.speakers import ANYONE
 
 NOT_WAITED_FOR = 2**32 - 1
@@ -161,6 +163,8 @@ class Roster:
         """Return how many messages the nodes have published on each topic, as they say."""
         totals: dict[str, int] = {}
         for (_, topic), count in zip(self._entries, self.counters, strict=True):
+            if is_part(topic):
+                continue
             totals[topic] = totals.get(topic, 0) + count
         return totals
 
@@ -180,6 +184,7 @@ class KnownRoster:
         self.master = self.other_master = ""
         self.epoch = 0
         self.nodes: tuple[str, ...] = ()
+        self._outputs: Counter[str] = Counter()
         self._identities: dict[str, str] = {}
 
     def take(self, master: str, epoch: int, nodes: Sequence[str], identities: Sequence[str]) -> None:
@@ -192,6 +197,7 @@ class KnownRoster:
         nodes, identities : publisher of each counter, and its process
         """
         self.master, self.epoch, self.nodes = master, epoch, tuple(nodes)
+        self._outputs = Counter(nodes)
         self._identities = dict(zip(nodes, identities, strict=True))
 
     def identity_of(self, node: str) -> str:
@@ -200,4 +206,4 @@ class KnownRoster:
 
     def outputs_of(self, node: str) -> int:
         """Return on how many topics a `node` publishes."""
-        return self.nodes.count(node)
+        return self._outputs[node]

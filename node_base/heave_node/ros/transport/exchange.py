@@ -18,10 +18,11 @@ from rclpy.serialization import serialize_message
 from rclpy.task import Future
 
 from heave_node.interface import topics
-from heave_node.interface.topic import Role, Topic
+from heave_node.interface.topic import LASTING, Topic
+from heave_node.tick.protocol import Part
 
-Reader = Callable[[bytes, str, int], None]
-"""Takes the bytes of a message, the identity of the process that sent it, and when that was [ns]."""
+Reader = Callable[[Any, str, int], None]
+"""Takes the bytes of a message or a part of a tick, the identity of the process that sent it, and when [ns]."""
 
 GLANCE = 0.1
 """Wall time between two messages of a topic that others get of it where not every one is published [s]."""
@@ -43,7 +44,7 @@ class LocalPublisher:
     def __init__(
         self,
         readers: list[Reader],
-        enqueue: Callable[[list[Reader], bytes], None],
+        enqueue: Callable[[list[Reader], bytes | Part], None],
         outside: Publisher[Any],
         period: float,
     ) -> None:
@@ -55,20 +56,20 @@ class LocalPublisher:
         self.topic_name = outside.topic_name
 
     def publish(self, message: object) -> None:
-        """Publish a `message`, or the bytes of a serialised one."""
-        data = message if isinstance(message, bytes) else bytes(serialize_message(message))
+        """Publish a `message`, the bytes of a serialised one, or a part of a tick, which its readers get as it is."""
+        data = message if isinstance(message, bytes | Part) else bytes(serialize_message(message))
         if self._readers:
             self._enqueue(self._readers, data)
         if self._period:
             now = time.monotonic()
-            if now - self._shown_at < self._period:
+            if now - self._shown_at < self._period or not self._outside.get_subscription_count():
                 return
             self._shown_at = now
-        self._outside.publish(data)
+        self._outside.publish(data.to_bytes() if isinstance(data, Part) else data)
 
     def get_subscription_count(self) -> int:
-        """Return the number of readers in this process."""
-        return len(self._readers)
+        """Return the number of readers, in this process and in others."""
+        return len(self._readers) + self._outside.get_subscription_count()
 
     def wait_for_all_acked(self, timeout: Duration) -> bool:
         """Wait, at most for `timeout`, until other processes have what they were sent."""
@@ -104,14 +105,14 @@ class Exchange:
         self._identity = ""
         self._readers: defaultdict[str, list[Reader]] = defaultdict(list)
         self._publishers: defaultdict[str, list[LocalPublisher]] = defaultdict(list)
-        self._queue: deque[tuple[list[Reader], bytes, int]] = deque()
+        self._queue: deque[tuple[list[Reader], bytes | Part, int]] = deque()
         self.wake: Future[None] = Future()
 
     def add_publisher(self, topic: Topic, outside: Publisher[Any], identity: str) -> LocalPublisher:
         """Publish a `topic` in memory beside its publisher `outside`, as the process of an `identity`."""
         self._identity = identity
         name = outside.topic_name
-        is_whole = self._is_public or topic.role in (Role.LATCHED, Role.KEPT) or topic.name in _ALWAYS
+        is_whole = self._is_public or topic.role in LASTING or topic.name in _ALWAYS
         publisher = LocalPublisher(self._readers[name], self._enqueue, outside, 0.0 if is_whole else GLANCE)
         self._publishers[name].append(publisher)
         return publisher
@@ -129,7 +130,7 @@ class Exchange:
             else:
                 self._readers[member.topic_name].remove(member.reader)
 
-    def _enqueue(self, readers: list[Reader], data: bytes) -> None:
+    def _enqueue(self, readers: list[Reader], data: bytes | Part) -> None:
         self._queue.append((readers, data, time.time_ns()))
         if not self.wake.done():
             self.wake.set_result(None)

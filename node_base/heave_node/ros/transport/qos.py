@@ -21,7 +21,7 @@ from rclpy.qos import (
 )
 from rclpy.qos_overriding_options import QoSOverridingOptions
 
-from heave_node.interface.topic import Role
+from heave_node.interface.topic import LASTING, Role
 from heave_node.ros.transport.identity import NO_NAME, node_of_endpoint
 
 STREAM_DEPTH = 200
@@ -29,7 +29,6 @@ STREAM_DEPTH = 200
 KEPT_DEPTH = 20
 """Messages of a kept topic that are held: it has few, one a second of simulated time."""
 _DEPTH = {Role.LATCHED: 1, Role.KEPT: KEPT_DEPTH}
-_LASTING = (Role.LATCHED, Role.KEPT)
 OVERRIDES = "qos_overrides."
 PUBLISHER, SUBSCRIPTION = "publisher", "subscription"
 
@@ -40,7 +39,7 @@ def qos_of(role: Role) -> QoSProfile:
         history=HistoryPolicy.KEEP_LAST,
         depth=_DEPTH.get(role, STREAM_DEPTH),
         reliability=ReliabilityPolicy.RELIABLE,
-        durability=DurabilityPolicy.TRANSIENT_LOCAL if role in _LASTING else DurabilityPolicy.VOLATILE,
+        durability=DurabilityPolicy.TRANSIENT_LOCAL if role in LASTING else DurabilityPolicy.VOLATILE,
     )
 
 
