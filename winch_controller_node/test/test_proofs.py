@@ -82,7 +82,7 @@ def low_passed(values):
 
 @pytest.mark.parametrize("slope", [0.8, 1.2])
 def test_a_fit_is_that_of_numpy_with_all_columns_at_once(slope):
-    """Of the tension on what the nominal load makes of it, beside an offset, a trend and a free swing."""
+    """Of the tension on that of the nominal load, beside an offset, a trend and a free swing."""
     proofs, rng, records = made(), np.random.default_rng(1), []
     for time, *_ in zip(*truth(15.0), strict=True):
         load = proofs.state["load"]

@@ -172,7 +172,7 @@ class TickGate:
         self._carried = {node: [] for node in nodes}
         identities_before, self._identities = self._identities, dict(zip(nodes, identities, strict=False))
         for node, identity in self._identities.items():
-            if identities_before.get(node) != identity:  # a new process counts anew
+            if identities_before.get(node) != identity:  # a new process starts its counts at zero
                 self._parts.pop(node, None)
         sends_parts = {node for node, topic in zip(nodes, topics, strict=True) if is_part(topic)}
         self._publishers = {topic: [] for topic in self.inboxes}

@@ -52,7 +52,7 @@ CLOSED = (Standing.SCALED, Standing.ALONE)
 
 
 class Fit(NamedTuple):
-    """How a witness fits what it should read.
+    """How a cross-check fits what it should read.
 
     Attributes
     ----------
