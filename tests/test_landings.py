@@ -7,9 +7,9 @@ import pytest
 from cable_sim_node.parameters import RopePathParameters
 from heave_bringup.closed_loop import ClosedLoop, loop_parameters
 from heave_bringup.scenarios import load_scenario
-from heave_studies.promise.findings import is_suspicion
 
 from tests.campaigns.landings import Draw, draw, figures, scenario
+from tests.campaigns.promise import is_suspicion
 
 SOFT = Draw(1, stiffness=4.0e7 / 1500.0, mass=12e3, length=1500.0, speed=0.3, wave_height=1.0, peak_period=9.0)
 """12 t on 1,500 m of 28 mm wire at 0.3 m/s: the wire needs 12 s to unload."""

@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 from heave_bringup.closed_loop import ClosedLoop, loop_parameters
 from heave_bringup.scenarios import load_scenario
-from heave_studies.promise.findings import is_suspicion
 from heave_studies.study.summary import influences
 
 from tests.campaigns import promise
@@ -21,6 +20,7 @@ from tests.campaigns.promise import (
     Kept,
     draw,
     frame_of,
+    is_suspicion,
     is_wrong,
     parameters_of,
     run,

@@ -12,8 +12,9 @@ import numpy as np
 import pytest
 from heave_bringup.closed_loop import ClosedLoop, LoopRecord, loop_parameters
 from heave_bringup.scenarios import load_scenario
-from heave_studies.promise.findings import is_suspicion
 from winch_controller_node.interface.readings import Outputs
+
+from tests.campaigns.promise import is_suspicion
 
 BEGINS = 30.0
 """Compensation begins within so long [s]: `modes.settling_time`, or as soon as two waves have been seen."""

@@ -10,11 +10,10 @@ import pytest
 from heave_bringup.closed_loop import ClosedLoop, loop_parameters
 from heave_bringup.scenarios import load_scenario
 from heave_studies.promise.deviation import GROUPS, KINDS, NOT_OF
-from heave_studies.promise.findings import is_suspicion
 from winch_controller_node.parameters.model import WinchModelParameters
 
 from tests.campaigns import sensor_faults
-from tests.campaigns.promise import LARGEST, TROUBLE, WINDOW, worst_window
+from tests.campaigns.promise import LARGEST, TROUBLE, WINDOW, is_suspicion, worst_window
 from tests.campaigns.sensor_faults import Draw, Kept, culprits, draw, kept
 
 TICK = 0.05

@@ -4,9 +4,8 @@ import numpy as np
 import pytest
 from heave_bringup.closed_loop import ClosedLoop, loop_parameters
 from heave_bringup.scenarios import load_scenario
-from heave_studies.promise.findings import is_suspicion
 
-from tests.campaigns.promise import worst_window
+from tests.campaigns.promise import is_suspicion, worst_window
 
 
 def run(scenario, *settings):

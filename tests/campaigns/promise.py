@@ -280,6 +280,19 @@ def _is_finding(alarm: Alarm) -> bool:
     return is_updated or alarm.code.startswith("COMMANDS_") or bool(blamed_by(read))
 
 
+LOST = ("STALE", "LATE", "ABSENT", "NOT_A_NUMBER", "BAD_STAMP", "OUT_OF_ORDER", "FROZEN", "SPIKES", "JUMPS")
+"""How a sensor is lost: the rest of a code that begins with the sensor."""
+QUALITY = ("SETTLING", "FAULT", "SLOW", "NOISE_HIGH")
+"""What a sensor reports of itself, or how its readings come."""
+
+
+def is_suspicion(alarm: Alarm) -> bool:
+    """Tell whether a raised `alarm` says that a sensor or the cable is not as assumed, other than a lost sensor."""
+    (read,) = alarms_in(str(alarm))
+    is_lost = alarm.code.removeprefix(f"{alarm.row.part.upper()}_") in (*LOST, *QUALITY)
+    return bool(blamed_by(read, noise=False)) and not is_lost and alarm.code != "WINCH_MODEL_UPDATED"
+
+
 @dataclass(frozen=True)
 class Named:
     """What a finding may name, in one unit."""

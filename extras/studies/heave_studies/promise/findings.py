@@ -6,7 +6,6 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from heave_node.interface.alarm import Alarm as RaisedAlarm
 from heave_node.interface.alarm import ReadAlarm, Severity, alarms_in
 from winch_controller_node.interface.alarms import ALARMS
 
@@ -21,12 +20,6 @@ LOAD = ("CABLE_SLACK", "TENSION_HIGH", "TENSION_TRAVEL_HALF", "TENSION_TRAVEL_EN
 NO_BLAME = (*LOAD, "LOWERING_BLIND", *(code for code in ALARMS if code.endswith("_NOT_DESIGNABLE")))
 NO_WARNING = ("AUTHORITY_LIMITED", "PROGRAMME_REJECTED", "PREVIEW_REJECTED")
 """Alarms above an event that are no trouble of a part."""
-
-
-LOST = ("STALE", "LATE", "ABSENT", "NOT_A_NUMBER", "BAD_STAMP", "OUT_OF_ORDER", "FROZEN", "SPIKES", "JUMPS")
-"""How a sensor is lost: the rest of a code that begins with the sensor."""
-QUALITY = ("SETTLING", "FAULT", "SLOW", "NOISE_HIGH")
-"""What a sensor reports of itself, or how its readings come."""
 
 
 @dataclass(frozen=True)
@@ -66,10 +59,3 @@ def warnings_of(alarms: Sequence[Alarm]) -> list[float]:
     read = [(time, one) for time, words in alarms for one in alarms_in(words)]
     troubles = [time for time, one in read if one.severity > Severity.EVENT and one.code not in NO_WARNING]
     return sorted(troubles + [time for time, one in read if one.code == "WINCH_MODEL_UPDATED"])
-
-
-def is_suspicion(alarm: RaisedAlarm) -> bool:
-    """Tell whether a raised `alarm` says that a sensor or the cable is not as assumed, other than a lost sensor."""
-    (read,) = alarms_in(str(alarm))
-    is_lost = alarm.code.removeprefix(f"{alarm.row.part.upper()}_") in (*LOST, *QUALITY)
-    return bool(blamed_by(read, noise=False)) and not is_lost and alarm.code != "WINCH_MODEL_UPDATED"
