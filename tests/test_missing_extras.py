@@ -98,6 +98,7 @@ def test_the_seven_packages_alone_run_record_judge_and_report(tmp_path):
             timeout=240,
             check=False,
         )
-    assert run.returncode == 3, run.stderr  # compensation has not begun by then
+    assert run.returncode == 0, run.stderr
+    assert "verdict: none: only 8 s after the transient" in run.stdout
     assert (tmp_path / "bag" / "metadata.yaml").is_file()
     assert (tmp_path / "report.html").is_file()
