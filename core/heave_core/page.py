@@ -36,8 +36,13 @@ every field.
 | terms | `terms.cpp` | a gated reading as the filter needs it, without the mean payout's share |
 | watches | `watches.cpp` | consistency, mean tension over the waves, whether the boom tip is known |
 | sea | `sea.cpp` | the observed sea compared with the design sea |
+| second filter | `second.cpp` | a filter in parallel with the active one, with another model |
 | unit | `unit.cpp` | a unit below a top end whose motion is known: quadratic drag, slack cable |
 | guard | `guard.cpp` | whether compensation does harm: drum, swing, depth sensor, waves |
+| authority | `authority.cpp` | the authority that is predicted to leave the least motion |
+| supervision | `supervise.cpp` | what is decided in a tick: landing, guard, link, damping, modes; a bit per event |
+| start gates | `start_gates.cpp` | what keeps compensation or constant tension from beginning; a highest tension |
+| standing load | `standing_load.cpp` | whether the cable carries the load under a brake; payout against depth |
 | modes | `modes.cpp` | the mode machine: runs the table of modes, moves authority |
 | attempts | `attempts.cpp` | whether compensation that did harm is tried again, and with what doubt |
 | proofs | `proofs.cpp` | MRU proved by load cell and depth sensor before the brake opens |

@@ -4,8 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from heave_core.servo import Drum, drum_records, run_of, sent_points
-from heave_core.watch import DrumOrders
+from heave_core.watch import Drum, DrumOrders, drum_records, run_of, sent_points
 from heave_core.watch_table import SERVO
 from hypothesis import given, settings
 from hypothesis import strategies as st

@@ -5,8 +5,7 @@ import math
 import numpy as np
 import pytest
 from heave_core import watch, watch_table
-from heave_core.servo import Drum, run_of
-from heave_core.watch import KpiRing, KpiStatistics, LandingWatch, Link, LoadRecord, WinchRecord
+from heave_core.watch import Drum, KpiRing, KpiStatistics, LandingWatch, Link, LoadRecord, WinchRecord, run_of
 from heave_core.watch_table import Landed, LoadNews
 from hypothesis import given
 from hypothesis import strategies as st

@@ -5,7 +5,7 @@ import math
 from types import MappingProxyType
 
 import pytest
-from heave_core.servo import Drum
+from heave_core.watch import Drum
 from hypothesis import given
 from hypothesis import strategies as st
 from winch_controller_node.beliefs.beliefs import USED, Belief, Beliefs, parameters_under, without_sea

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from cable_sim_node.winch.component import VirtualWinch, WinchCommand
 from cable_sim_node.winch.parameters import EncoderParameters, WinchParameters
-from heave_core.servo import Drum, drum_records, sent_points
+from heave_core.watch import Drum, drum_records, sent_points
 from heave_node.interface.faults import FaultParameters
 from hypothesis import given, settings
 from hypothesis import strategies as st

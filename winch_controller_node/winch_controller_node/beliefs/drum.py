@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from heave_core.servo import NO_POWER_LIMIT, Drum
+from heave_core.watch import NO_POWER_LIMIT, Drum
 
 from winch_controller_node.beliefs.quantities import (
     ACCELERATION_IN,

@@ -57,6 +57,8 @@ class WinchController(ControllerEvents):
         self._alarms += loop.faults
         decision = self._decide(loop, measurements, self._prove(measurements))
         if decision.mode.before is not None or decision.landing is not None:
+            # the tick is reported by the reason for which it began
+            decision = decision._replace(mode=decision.mode._replace(reason=self.modes.reason))
             self._change_mode(decision.mode, loop)
             self._act_on(decision.landing, loop)
             loop = self._estimation.refreshed(loop)

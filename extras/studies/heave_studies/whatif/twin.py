@@ -20,7 +20,7 @@ from cable_sim_node.vertical.axial_stepper import AxialInput, AxialStepper
 from cable_sim_node.winch.command_line import WinchCommand
 from cable_sim_node.winch.component import VirtualWinch, WinchState
 from cable_sim_node.winch.parameters import EncoderParameters, WinchParameters
-from heave_core.servo import NO_POWER_LIMIT
+from heave_core.watch import NO_POWER_LIMIT
 from heave_node.interface.alarm import Alarm
 from heave_node.interface.codes import WinchLimit
 from heave_node.numerics.arrays import Array

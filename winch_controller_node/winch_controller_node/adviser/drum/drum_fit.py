@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
-from heave_core.servo import Drum
+from heave_core.watch import Drum
 from heave_node.numerics.arrays import Array
 
 from winch_controller_node.adviser.drum.drum_record import FIELDS, START_PAYOUT, START_RATE, DrumRecord

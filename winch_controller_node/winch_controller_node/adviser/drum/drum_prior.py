@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from heave_core.servo import NO_POWER_LIMIT, Drum
+from heave_core.watch import NO_POWER_LIMIT, Drum
 from heave_node.numerics.arrays import Array
 
 from winch_controller_node.adviser.drum.drum_fit import DrumPrior

@@ -7,7 +7,7 @@ from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
-from heave_core.servo import Drum, drum_records, sent_points
+from heave_core.watch import Drum, drum_records, sent_points
 from heave_node.numerics.arrays import Array
 from numpy.typing import NDArray
 

@@ -11,7 +11,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
 import numpy as np
-from heave_core.servo import NO_POWER_LIMIT
+from heave_core.watch import NO_POWER_LIMIT
 from heave_node.numerics.arrays import Array
 
 from winch_controller_node.adviser.drum.drum_fit import (

@@ -6,8 +6,7 @@ import math
 from collections.abc import Mapping
 from typing import Any, NamedTuple
 
-from heave_core.servo import Drum, run_of
-from heave_core.watch import DrumOrders
+from heave_core.watch import Drum, DrumOrders, run_of
 
 from winch_controller_node.beliefs.drum import drum_of
 from winch_controller_node.parameters.model import WinchModelParameters
