@@ -81,7 +81,6 @@ ARGUMENTS: Mapping[str, tuple[Any, ...]] = {
     "heave_core_load": (_POINTER, _POINTER, _NUMBER, _NUMBER, _COUNT),
     "heave_core_proofs_begin": (_POINTER,) * 2,
     "heave_core_prove": (*(_POINTER,) * 3, _COUNT, *(_POINTER,) * 2),
-    "heave_core_proofs_reset": (_POINTER,) * 2,
     "heave_core_proofs_ask": (_POINTER, _COUNT),
     "heave_core_modes": (_POINTER,) * 3,
     "heave_core_modes_event": (_POINTER, _POINTER, _COUNT, _POINTER),

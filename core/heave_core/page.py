@@ -61,6 +61,7 @@ every field.
 | command | `command.cpp` | gain, law, the mean payout's share, what the last minute of commands allows |
 | tension | `tension.cpp` | constant tension, also from tension and drum alone |
 | motion | `motion.cpp` | the mean payout, and the loop's response to it |
+| controller | `../plc/controller.cpp` | all of it on memory of its own, for a [PLC](guide/howto/plc.md) and the FMU |
 
 The C interface is `interface.cpp`. `heave_core_layout` and `heave_core_size` let Python refuse a library with another
 layout. Each part has a function for a tick (`heave_core_sense`, `heave_core_filter`, `heave_core_guard`,

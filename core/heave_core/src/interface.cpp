@@ -278,15 +278,13 @@ void heave_core_supervision_reset_sea(heave::SupervisionState *state) { heave::b
 
 void heave_core_supervise(const heave::Supervising *on, const double *depths) { heave::supervise(*on, depths); }
 
-// Proofs before the brake opens: begin; a tick; the MRU is proved again; an operator asks for a mode.
+// Proofs before the brake opens: begin; a tick; an operator asks for a mode.
 void heave_core_proofs_begin(const heave::ProofDesign *design, heave::ProofState *state) { heave::begin_proofs(*design, *state); }
 
 int heave_core_prove(const heave::ProofDesign *design, const heave::ProofSeen *seen, const heave::Delivered *delivered, int count,
                      heave::ProofState *state, heave::ProofWork *work) {
     return heave::prove(*design, *seen, delivered, count, *state, *work);
 }
-
-void heave_core_proofs_reset(const heave::ProofDesign *design, heave::ProofState *state) { heave::reset_proof(*design, *state); }
 
 void heave_core_proofs_ask(heave::ProofState *state, int consent) { heave::ask(*state, consent); }
 

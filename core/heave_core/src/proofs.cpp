@@ -96,6 +96,13 @@ void compare(const ProofDesign &design, const ProofSeen &seen, const Delivered *
     look(design, state, work);
 }
 
+// Prove the MRU again: the last result holds no more.
+void reset_proof(const ProofDesign &design, ProofState &state) {
+    state.standing = MRU_OPEN, state.witness = -1;
+    state.scale = state.correlation = state.certainty = state.waited = 0.0;
+    begin_record(design, state);
+}
+
 }  // namespace
 
 // Nothing was read yet, and the drum counts as locked.
@@ -106,13 +113,6 @@ void begin_proofs(const ProofDesign &design, ProofState &state) {
     state.next_look = design.shortest;
     state.count = state.begin = state.since = state.drive_time = state.drive_count = state.drive_rate = NOT_KNOWN;
     state.witness = -1;
-}
-
-// Prove the MRU again: the last result holds no more.
-void reset_proof(const ProofDesign &design, ProofState &state) {
-    state.standing = MRU_OPEN, state.witness = -1;
-    state.scale = state.correlation = state.certainty = state.waited = 0.0;
-    begin_record(design, state);
 }
 
 // An operator asks for a mode, with or without consent to begin without a cross-check: what he knows of is over.

@@ -24,7 +24,6 @@ void acknowledge_brake(ProofState &state);
 
 // proofs.cpp
 void begin_proofs(const ProofDesign &design, ProofState &state);
-void reset_proof(const ProofDesign &design, ProofState &state);
 int prove(const ProofDesign &design, const ProofSeen &seen, const Delivered *delivered, int count, ProofState &state,
           ProofWork &work);
 void ask(ProofState &state, bool consent);

@@ -14,12 +14,12 @@ from heave_bringup.closed_loop import ClosedLoop, LoopRecord, loop_parameters
 from heave_bringup.errors import CommandError
 from heave_bringup.run.loop_signals import run_signals
 from heave_bringup.scenarios import load_scenario
-from winch_controller_node.laws.state_feedback import StateFeedback
 
 pytest.importorskip("pythonfmu", reason="pythonfmu is not installed: the extra fmu")
 fmpy = pytest.importorskip("fmpy", reason="fmpy is not installed: the extra fmu")
 
 from heave_fmu.compiled.build import MODEL, compile_sources, export_controller, write_sources  # noqa: E402
+from heave_fmu.compiled.image import leave_out_plans  # noqa: E402
 from heave_fmu.export import connections, export_part, make_parts, write_system  # noqa: E402
 from heave_fmu.instance import FmuInstance  # noqa: E402
 
@@ -37,13 +37,6 @@ PREVIEW = ("wave_vessel.preview.time=4", "winch_controller.law=mpc", "winch_cont
 LOOPS = Path(__file__).parent / "fmu_loops.py"
 
 
-def stay_linear(controller):
-    """Leave out what takes over near the limits of the winch, as the export does."""
-    law = controller._in_force.law
-    if isinstance(law, StateFeedback):
-        law.stay_linear()
-
-
 def both(scenario, file, seconds):
     """Return mode, brake and numbers of the part and of the FMU in a `file`, with the readings of the part's loop."""
     parts = make_parts(scenario, ("controller", "winch", "vessel", "plant"))
@@ -57,7 +50,7 @@ def both(scenario, file, seconds):
     for part in parts.values():
         part.start()
     controller = parts["controller"]
-    stay_linear(controller._controller)
+    leave_out_plans(controller._controller)
     controller._controller.take = lambda beliefs: False  # an adviser that is absent
     instance, dt, rows = FmuInstance(file, "controller"), scenario.run.tick_period, []
     names = [variable.name for port in controller.outputs.values() for variable in port.variables]

@@ -38,7 +38,8 @@ FMI_HEADERS = ("fmi2Functions.h", "fmi2FunctionTypes.h", "fmi2TypesPlatform.h")
 """Of the FMI standard, under its own licence (BSD, two clauses), as FMPy brings them."""
 LEFT_OUT = (
     "No adviser: nominal values are kept, and a winch, cable, sensor or sea that differs from them is not identified. "
-    "No moves, no constant tension: a load that lands stops the winch. No plan at the limits of the winch"
+    "No moves, no constant tension: a load that lands stops the winch. No plan at the limits of the winch: "
+    "authority is reduced until the peaks of the sea fit"
 )
 """What the controller has not without Python, in a line."""
 FLAGS = ("-O2", "-ffp-contract=off")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -17,6 +18,7 @@ from winch_controller_node.core.component import WinchController
 from winch_controller_node.core.envelope import DUTIES
 from winch_controller_node.core.estimation.loop_estimation import NEAR
 from winch_controller_node.core.supervision.modes import Mode
+from winch_controller_node.core.supervision.supervisor import guarded_loop
 from winch_controller_node.core.supervision.watch.winch_watch import TOLERATED_SHARE
 from winch_controller_node.interface.sensors import DEPTH_BIAS
 from winch_controller_node.laws.core_law import CoreLaw
@@ -48,9 +50,19 @@ def made_controller(parameters: LoopParameters) -> WinchController:
         raise ParameterError("a crane that moves stands in front of the controller: --set system.crane.fitted=false")
     if controller.programme.move_times or controller.programme.mode_times:
         raise ParameterError("moves and modes of a programme are requests, and nobody makes them there: leave it out")
+    leave_out_plans(core)
+    return core
+
+
+def leave_out_plans(core: WinchController) -> None:
+    """Let the law of a controller, `core`, make no plan at the limits of the winch.
+
+    Its guard then takes it for one that does not keep them, and allows the authority whose peaks they hold.
+    """
+    law = core._in_force.law
     if isinstance(law, StateFeedback):
         law.stay_linear()
-    return core
+    core._supervisor.guard.take_loop(replace(guarded_loop(core.design, law), keeps_limits=False))
 
 
 def records_of(core: WinchController) -> dict[str, Any]:
