@@ -23,8 +23,7 @@ from rclpy.qos import qos_profile_sensor_data
 from heave_devices.adapt.links import LinkReader
 from heave_devices.adapt.messages import boom_tip, installed_type, winch_state
 from heave_devices.adapt.orders import Orders, follow_commands
-from heave_devices.adapt.plc.polled import PolledLink
-from heave_devices.adapt.plc.protocols import exchange_of
+from heave_devices.adapt.plc.polled import PolledLink, exchange_of
 from heave_devices.formats.sample import Counters, Decoder, Sample
 from heave_devices.live.adapter import Adapter, WinchReading
 from heave_devices.live.winch_handshake import WinchOrder
@@ -132,9 +131,7 @@ class LiveDevice:
             self._publish(self.adapter.on_samples([sample], time.monotonic()))
 
     def _on_command(self, message: Any) -> None:
-        self.command(
-            WinchOrder(message.payout, message.payout_rate, message.brake, message.sequence, message.mean_payout)
-        )
+        self.command(WinchOrder(*[getattr(message, name) for name in WinchOrder._fields]))
 
     def command(self, order: WinchOrder) -> None:
         """Pass on an `order` of the controller."""

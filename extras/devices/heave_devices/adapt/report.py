@@ -86,7 +86,7 @@ def health_of(device: LiveDevice, before: Mapping[str, float]) -> Health:
     values |= {f"newest {name}": f"{value:.4g}" for name, value in device.adapter.newest.items()}
     taker = device.adapter.taker.counters
     more = {name: figures.get(name, 0) - before.get(name, 0) for name in _WRONG}
-    words = [f"{_plain(name)} +{count:g}" for name, count in more.items() if count > 0]
+    words = [f"{name.replace('_', ' ')} +{count:g}" for name, count in more.items() if count > 0]
     name = device.device.name
     errors = {
         f"{device.device.link or 'link'}: {device.problem}": bool(device.problem),
@@ -144,15 +144,11 @@ def _cause_of_silence(device: LiveDevice, before: Mapping[str, float]) -> str:
     return next(words for words, is_so in causes if is_so)
 
 
-def _plain(name: str) -> str:
-    return name.replace("_", " ")
-
-
 def summary_table(devices: Sequence[LiveDevice]) -> Table:
     """Return the table of what came from all `devices`."""
     names = list(dict.fromkeys(name for device in devices for name in figures_of(device)))
     rows = []
     for name in names:
         figures = [figures_of(device).get(name, math.nan) for device in devices]
-        rows.append([_plain(name), *("-" if math.isnan(value) else f"{value:.6g}" for value in figures)])
+        rows.append([name.replace("_", " "), *("-" if math.isnan(value) else f"{value:.6g}" for value in figures)])
     return make_table(("count", *(device.device.name for device in devices)), rows)

@@ -62,9 +62,9 @@ class Wiggle:
         Raises CommandError where it does not speak, keeps its brake on, or runs away.
         """
         try:
-            self._until(lambda: math.isfinite(self._payout), brake=True)
+            self._until(lambda: math.isfinite(self._payout))
             was_tripped = bool(self._device.adapter.newest.get("fault", 0.0))
-            self._until(lambda: not self._device.is_held, brake=True, is_release=True)
+            self._until(lambda: not self._device.is_held, is_release=True)
             self._move()
         finally:
             self._command(0.0, 0.0, brake=True)
@@ -83,7 +83,7 @@ class Wiggle:
         start = self._readings[0].payout if self._readings else self._device.adapter.newest.get("payout", 0.0)
         self._device.command(WinchOrder(start + moved, rate, brake, self._sequence))
 
-    def _until(self, is_reached: Callable[[], bool], *, brake: bool, is_release: bool = False) -> None:
+    def _until(self, is_reached: Callable[[], bool], *, is_release: bool = False) -> None:
         """Command the brake on, and for a release then off, until the winch has done so."""
         end = time.monotonic() + _READY_TIME
         began = time.monotonic()
@@ -93,7 +93,7 @@ class Wiggle:
                 words = "its brake stays on" if is_release and is_heard else self._device_words()
                 raise CommandError(f"{self._device.device.name}: {words}")
             is_off = is_release and time.monotonic() - began >= 1.0
-            self._command(0.0, 0.0, brake=brake and not is_off)
+            self._command(0.0, 0.0, brake=not is_off)
             self._serve()
 
     def _device_words(self) -> str:

@@ -31,18 +31,9 @@ KMB_FIELDS = (
 )
 """Fields of a frame, in their order; the delayed heave after two that are not used."""
 _KMB_FACTORS = {
-    "roll": _DEGREE,
-    "pitch": -_DEGREE,
-    "heading": _DEGREE,
-    "heave": -1.0,
-    "roll_rate": _DEGREE,
-    "pitch_rate": -_DEGREE,
-    "yaw_rate": -_DEGREE,
-    "heave_rate": -1.0,
-    "heave_acceleration": -1.0,
-    "roll_sigma": _DEGREE,
-    "pitch_sigma": _DEGREE,
-    "heading_sigma": _DEGREE,
+    **dict.fromkeys(("roll", "heading", "roll_rate", "roll_sigma", "pitch_sigma", "heading_sigma"), _DEGREE),
+    **dict.fromkeys(("pitch", "pitch_rate", "yaw_rate"), -_DEGREE),
+    **dict.fromkeys(("heave", "heave_rate", "heave_acceleration", "delayed_heave"), -1.0),
 }
 _KMB_INVALID = {
     0: ("north_velocity", "east_velocity"),
@@ -94,10 +85,9 @@ class KmBinaryDecoder:
         _, _, _, seconds, nanoseconds, status, _, _, *numbers = _KMB.unpack_from(frame)
         values = {
             name: _KMB_FACTORS.get(name, 1.0) * value
-            for name, value in zip(KMB_FIELDS[:-1], numbers, strict=False)
+            for name, value in zip(KMB_FIELDS, [*numbers[: len(KMB_FIELDS) - 1], numbers[-1]], strict=True)
             if math.isfinite(value) and not (name.endswith("_sigma") and value < 0.0)
         }
-        values |= {"delayed_heave": -numbers[-1]} if math.isfinite(numbers[-1]) else {}
         if nanoseconds >= 1_000_000_000 or abs(values.get("roll", 0.0)) > math.pi or b"#KMB" in frame[4:]:
             self.counters.malformed += 1  # a frame that another one has cut off reads like this
             return None

@@ -9,7 +9,8 @@ from typing import Any, NamedTuple
 from heave_node.crane.kinematics import JOINTS
 from heave_node.crane.pose import POSE_FIELDS
 from heave_node.interface import sensors, topics
-from heave_node.interface.sensors import WireReading
+from heave_node.interface.codes import MruStatus
+from heave_node.interface.sensors import MruReading, WireReading
 from heave_node.sensing.recent_motion import RecentMotion
 from heave_node.winch.travel import SpeedTravel
 
@@ -18,8 +19,8 @@ from heave_devices.formats.sample import Sample, TimeBase
 from heave_devices.live.counted_time import CountedTime, DeviceClock
 from heave_devices.live.drum_count import DrumCount
 from heave_devices.live.link_watch import LinkWatch
-from heave_devices.live.mru_maker import MruMaker
 from heave_devices.live.taker import Recent, Taken, Taker
+from heave_devices.live.tip_motion import TipMotion
 from heave_devices.live.without_steps import WithoutSteps
 from heave_devices.maps.device_map import DeviceMap
 
@@ -32,6 +33,7 @@ LATE = -1
 NO_STAMP = 0
 """Stamp of a reading whose time of arrival counts."""
 WINCH_STATE = "winch/state"
+_BESIDE_HEAVE = ("heave_rate", "heave_acceleration", "roll", "pitch", "roll_rate", "pitch_rate")
 _PLAIN = {sensors.DEPTH.topic.name: "pressure", sensors.LOAD_CELL.topic.name: "tension"}
 """Topics with one number, and the quantity that it is."""
 
@@ -74,7 +76,9 @@ class Adapter:
         self._ship = WithoutSteps()
         self.newest: dict[str, float] = {}
         self.published = dict.fromkeys(device.outputs, 0)
-        self._mru = MruMaker(device)
+        self._tip = TipMotion(device.lever_arm)
+        self._attitude = Recent(_BESIDE_HEAVE, device.timeout)
+        self._sequence = 0
         self._crane = Recent(POSE_FIELDS, device.timeout)
         self._time = DeviceTime(device.counter_wrap) if "device_time" in device.channels else DeviceTime()
         self.clocks: dict[str, DeviceClock] = {}
@@ -181,10 +185,8 @@ class Adapter:
 
     def _reading(self, topic: str, taken: Taken, stamp: int) -> WireReading | WinchReading | None:
         if topic == sensors.MRU.topic.name:
-            sample = self._mru.take(taken)
-            if sample is None:
-                return None
-            return WireReading(stamp, sensors.MRU.encode(sample, sensors.STANDARD_WATER))
+            sample = self._motion(taken)
+            return None if sample is None else WireReading(stamp, sensors.MRU.encode(sample, sensors.STANDARD_WATER))
         if topic == WINCH_STATE:
             return self._winch(taken, stamp)
         if topic == topics.CRANE_POSE.name:
@@ -196,6 +198,28 @@ class Adapter:
         sigma = self.device.channels[name].sigma
         accuracy = sigma * sigma if topic == sensors.DEPTH.topic.name else sigma
         return WireReading(stamp, (taken.values[name], accuracy if math.isfinite(accuracy) else 0.0))
+
+    def _motion(self, taken: Taken) -> MruReading | None:
+        """Return the reading that a sample, `taken`, completes; None where it holds no heave, nor calls it invalid."""
+        rate, acceleration, roll, pitch, *turning = self._attitude.take(taken).values()
+        if not taken.has_any(["heave"]):
+            return None
+        self._sequence += 1
+        read = taken.values.get("heave", math.nan)
+        heave, rate = self._tip.carry(taken.time, read, rate, (roll, pitch), (turning[0], turning[1]))
+        sigma = {name: channel.sigma for name, channel in self.device.channels.items()}
+        return MruReading(
+            taken.time,
+            heave,
+            rate,
+            roll if math.isfinite(roll) else 0.0,
+            pitch if math.isfinite(pitch) else 0.0,
+            int(taken.status if math.isfinite(heave) else MruStatus.INVALID),
+            self._sequence,
+            math.nan if any(self.device.lever_arm) else acceleration,
+            sigma.get("heave", math.nan),
+            sigma.get("heave_rate", math.nan),
+        )
 
     def _winch(self, taken: Taken, stamp: int) -> WinchReading | None:
         measured_rate, *beside = self._beside.take(taken).values()

@@ -121,8 +121,8 @@ class Taker:
                 continue
             if where.is_invalid(sample):
                 taken.invalid.add(name)
-            elif where.holds(sample):
-                self._put(taken, name, where.number(sample))
+            elif (raw := where.number(sample)) is not None:
+                self._put(taken, name, raw)
         self.counters.invalid += bool(taken.invalid)
         return taken
 

@@ -40,13 +40,10 @@ class SampleField:
         word = sample.words.get(self._valid)
         return not self._channel.is_valid(status if word is None else word)
 
-    def number(self, sample: Sample) -> float:
-        """Return what a `sample` holds of it, as sent, with the sign of its letter; NaN: nothing, or no number."""
-        return self._channel.signed(self._number(sample, self._name), sample.words)
-
-    def holds(self, sample: Sample) -> bool:
-        """Return whether a `sample` holds a number of it, be it NaN."""
-        return self._device.bit_of(self._name)[0] in sample.values
+    def number(self, sample: Sample) -> float | None:
+        """Return what a `sample` holds of it, as sent, with the sign of its letter; None: nothing."""
+        is_there = self._device.bit_of(self._name)[0] in sample.values
+        return self._channel.signed(self._number(sample, self._name), sample.words) if is_there else None
 
     def _number(self, sample: Sample, name: str) -> float:
         place, bit = self._device.bit_of(name)

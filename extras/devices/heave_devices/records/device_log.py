@@ -92,7 +92,7 @@ def _read(data: bytes, device: DeviceMap, decoder: Decoder) -> _Record:
 
 
 def _signal(name: str, where: SampleField, time: Array, samples: Sequence[Sample], findings: Findings) -> Signal:
-    value = np.array([np.nan if where.is_invalid(sample) else where.number(sample) for sample in samples])
+    value = np.array([None if where.is_invalid(sample) else where.number(sample) for sample in samples], dtype=float)
     invalid = sum(map(where.is_invalid, samples))
     if invalid:
         findings.notes.append(f"{name}: {invalid} samples that the device calls invalid left out")

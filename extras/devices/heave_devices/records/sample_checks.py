@@ -50,11 +50,6 @@ class Findings:
         return self._invalid.get(name, 0)
 
 
-def is_valid(status: NDArray[np.int64], invalid_bits: int) -> NDArray[np.bool_]:
-    """Return which samples a `status` calls valid: none of the `invalid_bits` set; if these are 0, a status not 0."""
-    return np.equal(status & invalid_bits, 0) if invalid_bits else np.not_equal(status, 0)
-
-
 def without_fill(name: str, signal: Signal, quantity: str, findings: Findings) -> Signal:
     """Return a channel without values that stand for none; other values beyond the plausible are asked for.
 

@@ -27,7 +27,7 @@ from scipy.interpolate import CubicSpline
 
 from heave_devices.maps.channel import Channel, with_standard_frame
 from heave_devices.records.device_log import device_signals
-from heave_devices.records.sample_checks import Findings, is_valid, without_fill, without_marks, without_standstill
+from heave_devices.records.sample_checks import Findings, without_fill, without_marks, without_standstill
 from heave_devices.records.sea_mapping import MOTIONS, SeaMapping, mapping_for_topic
 from heave_devices.records.ship_log import ShipLog, is_text
 from heave_devices.records.ship_time import time_words
@@ -193,10 +193,7 @@ def _bag_signals(bag: Bag, mapping: SeaMapping, findings: Findings) -> dict[str,
         else:
             value = euler_part(channel.part, *values) if channel.part else values[0]
         if valid:
-            status = np.asarray(topic[valid]).astype(np.int64)
-            is_good = is_valid(status, channel.invalid_bits)
-            if channel.valid_values:
-                is_good = np.isin(status, [value for value in channel.valid_values if isinstance(value, float)])
+            is_good = np.array([channel.is_valid(float(status)) for status in np.asarray(topic[valid])], dtype=bool)
             value = findings.without_invalid(name, value, is_good, valid)
         signals[name] = Signal(topic[TIME], value)
     return signals
