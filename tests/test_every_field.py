@@ -130,7 +130,7 @@ def test_no_field_of_what_a_device_sends_is_without_a_test():
 
 
 ROOT = Path(__file__).parents[1]
-ADVICE = "winch_controller_node/*/advice/messages.py"
+PROTOCOL, ADVICE = "node_base/heave_node/*/*.py", "winch_controller_node/*/advice/messages.py"
 OTHERS = {
     "CableState": "cable_sim_node/test/test_conversions.py",
     "ControllerState": "tests/test_every_field.py",
@@ -142,7 +142,7 @@ OTHERS = {
     "WinchCommand": "bringup/test/test_position_loop.py",
     **dict.fromkeys(("AdoptedState", "Belief", "Beliefs", "DesignArrays", "EncoderScale", "Finding"), ADVICE),
     **dict.fromkeys(("NamedArray", "NamedTexts", "Observations"), ADVICE),
-    **dict.fromkeys(("TickDone", "TickJoin", "TickRoster", "TickStart", "TickStatus"), "node_base/heave_node/ros/*.py"),
+    **dict.fromkeys(("TickDone", "TickJoin", "TickPart", "TickRoster", "TickStart", "TickStatus"), PROTOCOL),
 }
 """Messages that ten seconds of a calm sea do not send, or not with all of their fields: the tests of the others, or
 what packs and reads all fields at once: estimate of the sea, advice, and the tick protocol, without which no run is.
