@@ -7,7 +7,9 @@ import time
 from collections.abc import Callable
 from typing import Any
 
+from heave_bringup.errors import CommandError
 from heave_node.crane.messages import pose_message
+from heave_node.extras import how_to_install
 from heave_node.interface import topics
 from heave_node.interface.messages import SensorMessages, message_type
 from heave_node.interface.sensors import SENSORS
@@ -23,7 +25,7 @@ from rclpy.qos import qos_profile_sensor_data
 from heave_devices.adapt.links import LinkReader
 from heave_devices.adapt.messages import boom_tip, installed_type, winch_state
 from heave_devices.adapt.orders import Orders, follow_commands
-from heave_devices.adapt.plc.polled import PolledLink, exchange_of
+from heave_devices.adapt.plc.polled import Exchange, PolledLink
 from heave_devices.formats.sample import Counters, Decoder, Sample
 from heave_devices.live.adapter import Adapter, WinchReading
 from heave_devices.live.winch_handshake import WinchOrder
@@ -191,3 +193,26 @@ class LiveDevice:
             motion = self.adapter.heave.at(time.monotonic())
         if motion is not None and self._tip is not None:
             self._tip.publish(boom_tip(message.clock, self.device.boom_tip_height, motion))
+
+
+def exchange_of(device: DeviceMap) -> Exchange:
+    """Return what asks the PLC of a `device` for the fields of its map, and sends it the orders.
+
+    Raises CommandError where the library of its protocol is not installed.
+    """
+    link, command = device.link, device.command
+    assert link is not None
+    names = [name for channel in device.channels.values() for name in (channel.field, channel.valid) if name]
+    fields = [device.bit_of(name)[0] for name in names]
+    orders = [device.bit_of(order.path)[0] for order in command.orders] if command is not None else []
+    try:
+        if link.kind == "modbus":
+            from heave_devices.adapt.plc.modbus import ModbusExchange  # noqa: PLC0415 - its library may be missing
+
+            return ModbusExchange(link, fields, orders)
+        from heave_devices.adapt.plc.opcua import OpcUaExchange  # noqa: PLC0415 - an extra
+
+        return OpcUaExchange(link, fields, orders)
+    except ImportError as error:
+        how = how_to_install("opcua") if link.kind == "opcua" else "pip install 'pymodbus>=3.10'"
+        raise CommandError(f"{device.name}: {link.kind} needs the package {error.name}; {how}") from None
