@@ -313,23 +313,7 @@ STRUCTURES = (
 )
 """In the order in which C++ needs them."""
 
-RECORDS = (
-    HANGING_CABLE,
-    HANGING_UNIT,
-    LOOK_DESIGN,
-    LOOK_STATE,
-    LOOK_INPUTS,
-    MOTIONS,
-    SIGMA,
-    LIMIT,
-    AMPLITUDE,
-    DETRENDED,
-    DEMAND,
-    GUARD_DESIGN,
-    GUARD_STATE,
-    SEEN,
-    VERDICT,
-)
+RECORDS = STRUCTURES
 """What Python and C++ hold together."""
 
 ENUMERATIONS = (Harm,)

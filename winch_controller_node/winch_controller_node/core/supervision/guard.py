@@ -117,11 +117,6 @@ class HarmGuard:
         return float(self._found["best_authority"])
 
     @property
-    def shown_authority(self) -> float:
-        """Authority that unit and drum show, as they move."""
-        return float(self._found["shown"])
-
-    @property
     def residual(self) -> float:
         """Motion that it is predicted to leave, over that with the winch locked."""
         return float(self._found["residual"])
