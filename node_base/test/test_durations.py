@@ -5,7 +5,7 @@ import pickle
 
 import numpy as np
 import pytest
-from heave_node.tick.durations import Durations, TickTimes, histogram_text, parse_histogram
+from heave_node.tick.durations import Durations, histogram_text, parse_histogram
 from heave_node.tick.loop_timing import LoopTiming
 
 
@@ -89,17 +89,3 @@ def test_a_run_that_begins_again_does_not_wait_for_the_ticks_of_the_last(clock):
     clock[0] += 9.0
     timing.run_began()
     assert timing.loop_age().max == 0.0
-
-
-def test_execution_times_cover_the_last_minute():
-    """Ticks of 0.5 s: a minute has 120. Of 1 to 120 ms the median is 60.5 ms, and 99.9 % of the way is 119.881 ms."""
-    times = TickTimes(0.5)
-    assert times.percentiles() == (0.0, 0.0, 0.0)
-    for _ in range(50):
-        times.add(10.0)
-    for number in range(1, 121):
-        times.add(1e-3 * number)
-    assert times.percentiles() == pytest.approx((0.0605, 1e-3 * (1 + 0.999 * 119), 0.120))
-    words, values = times.reported()
-    assert words == "p50 60.50 ms, p99.9 119.88 ms, largest 120.00 ms"
-    assert values["count"] == "120"

@@ -32,11 +32,10 @@ from heave_node.interface.topic import Topic
 from heave_node.numerics.linear_model import ModelError
 from heave_node.parameters import ParameterError
 from heave_node.ros.diagnostics import Health, Level, alarm_health
-from heave_node.ros.input_timing import TIMING
 from heave_node.ros.participant import ParticipantNode
 from heave_node.ros.ports import Input
 from heave_node.ros.process import run_process
-from heave_node.tick.durations import TickTimes
+from heave_node.tick.durations import Durations
 from heave_node.tick.tick import Tick
 from rcl_interfaces.msg import SetParametersResult
 from rclpy.lifecycle import LifecycleState, TransitionCallbackReturn
@@ -90,7 +89,7 @@ class WinchControllerNode(ParticipantNode):
             self.controller.step(tick, Measurements())
         self._begin()
         self.outputs_of_tick: Outputs | None = None
-        self.execution = TickTimes(self.run.tick_period)
+        self.execution = Durations()
         self._reported: dict[str, list[str]] = {}
         self._changes: dict[str, str] = {}
         self.command = self.add_output(topics.WINCH_COMMAND)
@@ -162,7 +161,8 @@ class WinchControllerNode(ParticipantNode):
         for answer in answers:
             self._hear(answer)
         outputs = self.source.step(tick.number, measurements, poses)
-        execution = self.execution.add(wall.perf_counter() - began)
+        execution = wall.perf_counter() - began
+        self.execution.add(execution)
         self.outputs_of_tick = outputs
         stamp = tick.start_nanoseconds
         self.command.publish(conversions.command_message(outputs.order, stamp))
@@ -250,15 +250,10 @@ class WinchControllerNode(ParticipantNode):
         parts.append(Health(ALARMS, Level.WARN, timed_message(reported), reported) if reported else Health(ALARMS))
         return parts
 
-    def diagnose_timing(self) -> list[Health]:
-        """Add the execution times of the ticks of the last minute, in real time."""
-        own = [] if self.run.is_lockstep else [Health(f"{TIMING} tick", Level.OK, *self.execution.reported())]
-        return [*own, *super().diagnose_timing()]
-
     def on_run_ended(self, status: TickStatus) -> None:
-        """Log the execution times of the last minute: in lockstep they are said nowhere else, whatever the `status`."""
+        """Log the execution times of the run: in lockstep they are said nowhere else, whatever the `status`."""
         del status
-        self.get_logger().info(f"execution time of a tick: {self.execution.reported()[0]}")
+        self.get_logger().info(f"execution time of a tick: {self.execution.words()}")
 
     def _diagnose_commands(self) -> Health:
         """Say how many commands the winch took late."""

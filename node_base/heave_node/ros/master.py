@@ -24,6 +24,7 @@ from heave_node.interface.topic import Topic
 from heave_node.ros.diagnostics import Health, Level, alarm_health
 from heave_node.ros.input_timing import timing_health
 from heave_node.ros.node import HeaveNode, ProtocolError, expect_no, expect_sender, steady_clock
+from heave_node.ros.ports import Output
 from heave_node.ros.silence import MasterWaits, Patience
 from heave_node.ros.transport.exchange import LocalPublisher
 from heave_node.ros.transport.host_clocks import HostClocks
@@ -60,6 +61,7 @@ class _Protocol(NamedTuple):
 
     roster: Publisher[Any] | LocalPublisher
     status: Publisher[Any] | LocalPublisher
+    start: Output  # of the tick, for nodes of other programs
 
 
 class ClockMasterNode(HeaveNode):
@@ -93,9 +95,12 @@ class ClockMasterNode(HeaveNode):
         self._clock_started_at = 0.0
         self._waits = MasterWaits()
         self._lead = Part()
-        self._start = self.add_apart(topics.TICK_START)
         self._clock_output = self.add_output(topics.CLOCK)
-        self._protocol = _Protocol(*map(self.create_protocol_publisher, (topics.TICK_ROSTER, topics.TICK_STATUS)))
+        self._protocol = _Protocol(
+            self.create_protocol_publisher(topics.TICK_ROSTER),
+            self.create_protocol_publisher(topics.TICK_STATUS),
+            self.add_apart(topics.TICK_START),
+        )
         self.create_protocol_subscription(topics.TICK_JOIN, self._on_join)
         for node in peers:
             self.hear_parts(node)
@@ -307,8 +312,8 @@ class ClockMasterNode(HeaveNode):
 
     def _send_lead(self) -> None:
         self.send_part(self._lead)
-        if self._start.is_heard:
-            self._start.publish_uncounted(self._lead.to_start())
+        if self._protocol.start.is_heard:
+            self._protocol.start.publish_uncounted(self._lead.to_start())
 
     @property
     def part_topic(self) -> Topic:

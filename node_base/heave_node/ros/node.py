@@ -113,7 +113,6 @@ class HeaveNode(LifecycleNode):
     tick, epoch : the tick and the run the node is in
     failure : why the node ended, "" while nothing went wrong; `failed_at` when [s of monotonic wall time]
     was_ended : a signal or a transition, not an error, ended it
-    has_joined : it is configured, or was about to be: it has its part of the tick protocol
     identity : of this node's process, as the others see it on each of its messages
     clocks : of the external inputs, by topic
     clock_of_run : simulated time by monotonic wall time [ns]
@@ -144,7 +143,7 @@ class HeaveNode(LifecycleNode):
         self.gate = TickGate((), [node for node in self.after if node in in_protocol], lockstep=self.run.is_lockstep)
         self.strangers = Strangers(self, self.identity)
         self.failure, self.failed_at = "", 0.0
-        self.was_ended = self.has_joined = False
+        self.was_ended = False
         self.tick: Tick | None = None
         self.epoch = 0
         self.has_started = self.is_active = False
@@ -399,15 +398,15 @@ class HeaveNode(LifecycleNode):
 
     def on_configure(self, state: LifecycleState) -> TransitionCallbackReturn:
         """Build the component and join the tick protocol; `state` is the lifecycle state before."""
-        self._before = self._entities()
-        self._join = self.create_protocol_publisher(topics.TICK_JOIN)
+        self._ports.before = self._entities()
+        self._ports.join = self.create_protocol_publisher(topics.TICK_JOIN)
         part = self.part_topic
-        self._part = Output(self.resolve_topic_name(part.name), self.create_protocol_publisher(part))
-        self._ports.outputs.append(self._part)
+        self._ports.part = Output(self.resolve_topic_name(part.name), self.create_protocol_publisher(part))
+        self._ports.outputs.append(self._ports.part)
         try:
             self._diagnostics = self.add_output(topics.DIAGNOSTICS)
             self.join_protocol()
-            self.has_joined = True
+            self._ports.has_joined = True
             self.on_build()
             self._refuse_unused_overrides()
             # The first line of a log looks for its caller among all modules, which takes up to a second: not in a tick.
@@ -477,7 +476,7 @@ class HeaveNode(LifecycleNode):
             self.wait_until_heard()
         if self.exchange is not None:
             self.exchange.leave(self._ports.local)
-        self._destroy(self._entities() - self._before)
+        self._destroy(self._entities() - self._ports.before)
         self._begin_unconfigured()
 
     def _entities(self) -> set[Any]:
@@ -500,6 +499,11 @@ class HeaveNode(LifecycleNode):
                     destroy(entity)
         for entity in set(entities) & set(self.waitables):
             entity.destroy()
+
+    @property
+    def has_joined(self) -> bool:
+        """Whether it is configured, or was about to be: it has its part of the tick protocol."""
+        return self._ports.has_joined
 
     @property
     def next_tick(self) -> int:
@@ -547,7 +551,7 @@ class HeaveNode(LifecycleNode):
         ----------
         waiting_for : what the node lacks in this tick, in words
         """
-        self._join.publish(
+        self._ports.join.publish(
             TickJoin(
                 node=self.name,
                 identity=self.identity,
@@ -575,12 +579,12 @@ class HeaveNode(LifecycleNode):
     def take_carried(self) -> list[tuple[int, bytes]]:
         """Return the messages of this tick for its part, which is counted now."""
         carried, self._ports.carried = self._ports.carried, []
-        self._part.published += 1
+        self._ports.part.published += 1
         return carried
 
     def send_part(self, part: Part) -> None:
         """Send a `part`, also again: whoever has it knows it by its number."""
-        self._part.publish_uncounted(part.to_bytes() if self.exchange is None else part)
+        self._ports.part.publish_uncounted(part.to_bytes() if self.exchange is None else part)
 
     def resend_outputs(self) -> None:
         """Send again every message of this tick that was sent by itself."""

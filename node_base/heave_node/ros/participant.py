@@ -379,10 +379,10 @@ class ParticipantNode(HeaveNode):
         if not is_of_run:
             return
         deadline = time.monotonic() + REPORTED_TIMEOUT
-        while not self.has_started and not self._join.get_subscription_count() and time.monotonic() < deadline:
+        while not self.has_started and not self._ports.join.get_subscription_count() and time.monotonic() < deadline:
             time.sleep(0.02)
         self.publish_join()
-        self._join.wait_for_all_acked(Duration(seconds=REPORTED_TIMEOUT))
+        self._ports.join.wait_for_all_acked(Duration(seconds=REPORTED_TIMEOUT))
 
 
 def _order(message: Part) -> tuple[int, int]:

@@ -232,7 +232,11 @@ class Input:
 class Ports:
     """All that a node publishes and reads within ticks."""
 
+    part: Output = field(init=False)  # its parts of ticks
+    join: Publisher[Any] | LocalPublisher = field(init=False)  # on which it tells the clock master of itself
     outputs: list[Output] = field(default_factory=list)  # in the order of their making; first that of the parts
+    before: set[Any] = field(default_factory=set)  # what the node had of the middleware before it was configured
+    has_joined: bool = False  # it has its part of the tick protocol
     apart: list[Output] = field(default_factory=list)  # outputs that are no part of ticks
     carried: list[tuple[int, bytes]] = field(default_factory=list)  # messages of this tick that wait for the part
     inputs: list[Input] = field(default_factory=list)  # in the order in which they were added

@@ -18,8 +18,6 @@ KEPT = 1000
 SHORTEST, FINE, FINE_CLASSES = 1e-6, 0.01, 2000
 """Upper edge of the first of the fine classes [s], width of each relative to its durations, and their number: the last
 one begins at 480 s."""
-TIMES_KEPT = 60.0
-"""Simulated time over which execution times are kept [s]."""
 
 
 class Durations:
@@ -81,6 +79,11 @@ class Durations:
         names = [*(f"{1e3 * edge:g}" for edge in EDGES), LAST]
         return {name: count for name, count in zip(names, self._classes, strict=True) if count}
 
+    def words(self) -> str:
+        """Return the figures in words."""
+        p50, p99, largest = (f"{1e3 * value:.2f}" for value in self.percentiles())
+        return f"p50 {p50} ms, p99 {p99} ms, largest {largest} ms"
+
     def to_values(self) -> dict[str, str]:
         """Return figures and histogram as values of a diagnostic status."""
         p50, p99, largest = self.percentiles()
@@ -98,36 +101,6 @@ def _fine_class(value: float) -> int:
     if value <= SHORTEST:
         return 0
     return min(math.ceil(math.log(value / SHORTEST) / FINE), FINE_CLASSES - 1)
-
-
-class TickTimes:
-    """Execution times of a node's part of a tick over the last minute, in wall time.
-
-    Parameters
-    ----------
-    tick_period : [s]
-    """
-
-    def __init__(self, tick_period: float) -> None:
-        self._newest: deque[float] = deque(maxlen=round(TIMES_KEPT / tick_period))
-
-    def add(self, seconds: float) -> float:
-        """Take in the execution time of a tick in `seconds`, and return it."""
-        self._newest.append(seconds)
-        return seconds
-
-    def percentiles(self) -> tuple[float, float, float]:
-        """Return p50, p99.9 and the largest [s]; zeros without any."""
-        if not self._newest:
-            return 0.0, 0.0, 0.0
-        p50, p999 = np.percentile(np.array(self._newest), [50.0, 99.9])
-        return float(p50), float(p999), max(self._newest)
-
-    def reported(self) -> tuple[str, dict[str, str]]:
-        """Return them in words, and as values of a diagnostic status."""
-        p50, p999, largest = (f"{1e3 * value:.2f}" for value in self.percentiles())
-        words = f"p50 {p50} ms, p99.9 {p999} ms, largest {largest} ms"
-        return words, {"count": str(len(self._newest)), "p50_ms": p50, "p99.9_ms": p999, "max_ms": largest}
 
 
 def histogram_text(counts: Mapping[str, int]) -> str:
