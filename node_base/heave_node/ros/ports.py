@@ -233,7 +233,7 @@ class Ports:
     """All that a node publishes and reads within ticks."""
 
     part: Output = field(init=False)  # its parts of ticks
-    join: Publisher[Any] | LocalPublisher = field(init=False)  # on which it tells the clock master of itself
+    join: Publisher[Any] | LocalPublisher = field(init=False)  # on which it reports itself to the clock master
     outputs: list[Output] = field(default_factory=list)  # in the order of their making; first that of the parts
     before: set[Any] = field(default_factory=set)  # what the node had of the middleware before it was configured
     has_joined: bool = False  # it has its part of the tick protocol
