@@ -784,7 +784,7 @@ def test_a_drum_that_runs_under_orders_that_reverse_is_seen_where_the_drive_has_
     rates = [-17, -4, 8, 23, 36, 10, -17, -45, -50, -35, 0, 33, 72, 41, -10, -59, -3, 86, 17]  # of a loop [cm/s]
     rig = Rig()
     rig.run(20.0, 0.0, brake=True, duty=float(Duty.OPERATE))
-    rig.run(92.2)
+    rig.run(92.8)
     if not is_known:
         rig.envelope.state["punctual_time"] = 0.0
     move, begin = rig._move, rig.tick

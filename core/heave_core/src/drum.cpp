@@ -191,9 +191,12 @@ double way_beyond(const Design &design, const State &state, const Samples &sampl
     }
     const double left = std::exp(-samples.time / design.envelope.drum_time), factor = design.envelope.stroke_factor;
     const double step = counted(0) - counted(1), more = change(counted, 0);
-    beyond.out = std::max(left * beyond.out + step - factor * out, 0.0);
-    beyond.in = std::max(left * beyond.in - step + factor * in, 0.0);
-    const double gains = design.envelope.stroke_gain;
+    // a punctual drive that becomes weak goes on to gain speed, and to lose it: not both, beyond the speed that was sent
+    const bool may_be_late = latest == samples.late, counts_out = may_be_late || more > 0.0, counts_in = may_be_late || more < 0.0;
+    const double beyond_out = step - factor * out, beyond_in = factor * in - step;
+    beyond.out = std::max(left * beyond.out + (counts_out ? beyond_out : std::min(beyond_out, 0.0)), 0.0);
+    beyond.in = std::max(left * beyond.in + (counts_in ? beyond_in : std::min(beyond_in, 0.0)), 0.0);
+    const double gains = may_be_late ? design.envelope.stroke_gain : 0.0;
     const double runs_out = std::max(beyond.out, step > 0.0 ? gains * (more - factor * outward) : 0.0);
     const double runs_in = std::max(beyond.in, step < 0.0 ? gains * (factor * inward - more) : 0.0);
     return runs_out > runs_in ? runs_out : -runs_in;
@@ -208,7 +211,7 @@ void judge_sample(const Design &design, State &state, const Samples &samples, in
     const bool is_punctual = state.punctual_time >= design.envelope.window;
     if (!is_punctual && std::abs(if_soon) > 0.5 * limit) state.punctual_time = 0.0;
     else if (std::abs(state.drum.rate) > design.envelope.rest_speed) state.punctual_time += samples.time;
-    state.runaway = is_punctual ? if_soon : if_late;
+    state.runaway = is_punctual && std::abs(if_soon) > std::abs(if_late) ? if_soon : if_late;
 }
 
 }  // namespace

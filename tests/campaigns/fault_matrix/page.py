@@ -89,7 +89,7 @@ def add(path: Path, heading: Mapping[str, Any], ran: Sequence[Ran]) -> None:
     """Add the results of a campaign to those at a `path`, or take the place of those of its commit and seed."""
     others = json.loads(path.read_text(encoding="utf-8")) if path.exists() else []
     key = {name: heading[name] for name in ("commit", "seed")}
-    how = " ".join(f"--{name} {heading[name]:g}" for name in ("seed", "branches", "after"))
+    how = " ".join(f"--{name} {heading[name]:.10g}" for name in ("seed", "branches", "after"))
     command = f"python -m tests.campaigns.fault_matrix --cases {len(ran)} {how}"
     rows = [row_of(*one) for one in ran]
     new = {**key, "command": command, "columns": [*GROUPS, *NUMBERS, "shows", "blamed", "alarms", "case", "failure"]}
