@@ -294,3 +294,30 @@ def test_a_law_that_keeps_the_limits_by_itself_is_given_as_much_as_the_winch_can
     for time in times(200.0):
         guard.update(Seen(tip_rate=4.0 * math.sin(0.7 * time)), 0.0)
     assert guard.authority_limit == pytest.approx(1.4 / 2.0, rel=0.02)
+
+
+def shown(share_of_unit, share_of_drum, free=(0.3, 0.1), tip=(0.5, 0.2)):
+    """Return the authority that a unit and a drum show which move as if each had such a share of the sea."""
+    left = 1.0 - share_of_unit
+    guard = Guard(guard_design(GuardParameters(), GuardedLoop(LIMITS, inertia=4.0), DT))
+    drum = {"payout": share_of_drum * tip[0], "payout_rate": share_of_drum * tip[1]}
+    unit = {"unit": left * free[0], "unit_rate": left * free[1]}
+    motions = dict(zip(("free", "free_rate", "tip", "tip_rate"), (*free, *tip), strict=True))
+    return guard.step(Seen(**unit, **motions, **drum), 0.0).shown
+
+
+@pytest.mark.parametrize("share", [0.0, 0.25, 1.0])
+def test_unit_and_drum_show_the_authority_under_which_both_move(share):
+    assert shown(share, share) == pytest.approx(share)
+
+
+def test_of_two_that_show_another_authority_each_counts_by_the_energy_of_its_swing():
+    """By hand, with a of 4 s^2: 0.3^2 + 4 x 0.1^2 = 0.13 of the unit, 0.5^2 + 4 x 0.2^2 = 0.41 of the boom tip."""
+    assert shown(1.0, 0.0) == pytest.approx(0.13 / 0.54)
+    assert shown(0.0, 1.0) == pytest.approx(0.41 / 0.54)
+
+
+def test_what_is_shown_is_a_share_and_none_where_nothing_moves():
+    assert shown(3.0, 3.0) == 1.0
+    assert shown(-1.0, -1.0) == 0.0
+    assert shown(1.0, 1.0, free=(0.0, 0.0), tip=(0.0, 0.0)) == 0.0
