@@ -66,3 +66,30 @@ def test_in_still_water_the_linear_drag_takes_the_energy_of_the_quadratic_one(sp
     work, _ = quad(lambda phase: abs(speed * math.sin(phase)) ** 3, 0.0, 2.0 * math.pi)
     linear_work = math.pi * speed**2
     assert np.diag(damping) * linear_work == pytest.approx([NORMAL * work, NORMAL * work, TANGENTIAL * work], rel=1e-7)
+
+
+@given(VECTOR, VECTOR, VECTOR, VECTOR)
+def test_the_linear_drag_of_12_4_5_is_the_derivative_with_a_minus_in_its_projections(slope, change, flow, motion):
+    """Thesis F_x1, F_y1, F_z1 below Eq. 12.28 for an unstretched cable; a and b print a plus before both products.
+
+    Beside differences of our drag. The printed a has a part along the cable, twice the flow's.
+    """
+    t0, t1, water, velocity = map(np.array, (slope, change, flow, motion))
+    assume(np.linalg.norm(t0) > 0.1)
+    t0 = t0 / np.linalg.norm(t0)
+    t1 = t1 - (t1 @ t0) * t0
+    a = water - (water @ t0) * t0
+    size = np.linalg.norm(a)
+    assume(size > 0.05 and abs(water @ t0) > 0.05)
+    printed = water + (water @ t0) * t0
+    b = -velocity - (water @ t0) * t1 - (water @ t1 - velocity @ t0) * t0
+    linear = NORMAL * (a * (a @ b) / size + b * size)
+
+    def across(step):
+        scratch = np.empty((3, 3)), np.empty((3, 3))
+        relative = tuple(map(float, water - step * velocity))
+        return np.array(segment_drag(t0 + step * t1, relative, 0.0, NORMAL, 0.0, *scratch))
+
+    assert across(0.0) == pytest.approx(NORMAL * size * a, abs=1e-9)
+    assert np.linalg.norm(NORMAL * np.linalg.norm(printed) * printed - across(0.0)) > 0.1
+    assert linear == pytest.approx((across(1e-6) - across(-1e-6)) / 2e-6, abs=1e-3)

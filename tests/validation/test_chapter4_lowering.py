@@ -165,3 +165,17 @@ def test_in_a_weak_current_the_unit_goes_further_the_longer_the_cable_is(gallery
     # the effect of the current is mainly upon the horizontal motion
     for length in places:
         assert harmonic_near(length, drifting, 2)[0] == pytest.approx(harmonic_near(length, still, 2)[0], rel=0.02)
+
+
+@pytest.mark.parametrize("length", [200.0, 420.0])
+def test_the_dynamic_part_of_the_heave_is_what_both_parts_of_the_stretch_leave(length):
+    """Thesis 4.5.5: P(1, T) - (L/EA) w_2 - g (m - rho A) L^2/(2 EA), where the text prints = for the first minus.
+
+    A hanging system at rest has none. The printed right side has the two parts of the stretch against one another.
+    """
+    plant = CableDynamics(dataclasses.replace(SYSTEM, length=length, surface=False))
+    plant.start_at_equilibrium(np.zeros(3))
+    stretch = -plant.unit_position[2] - length
+    unit, own = length / STIFFNESS * WEIGHT, CABLE_WEIGHT * length**2 / (2.0 * STIFFNESS)
+    assert stretch - unit - own == pytest.approx(0.0, abs=1e-6)
+    assert abs(stretch - (unit - own)) > 0.1 * stretch

@@ -405,9 +405,45 @@ def critical_angle(speed):
     return math.acos((math.sqrt(1.0 + 4.0 * drag**2) - 1.0) / (2.0 * drag))
 
 
-def test_pintos_hydrodynamic_constant_is_that_of_his_table():
-    """H = sqrt(2 w/(C_D rho d)) = 0.6173 rad m/s for the light cable."""
-    assert math.sqrt(2.0 * 10.96 / (2.12 * 1025.0 * 0.0264)) == pytest.approx(0.6173, rel=0.01)
+@pytest.mark.parametrize(
+    ("diameter", "mass", "drag", "weight", "printed_weight", "constant", "printed_constant"),
+    [(0.0332, 2.70, 1.64, 17.78, 17.80, 0.7987, 0.7974), (0.0264, 1.64, 2.12, 10.58, 10.96, 0.6181, 0.6173)],
+    ids=["heavy", "light"],
+)
+def test_pintos_table_1_by_archimedes_and_equation_21(
+    diameter, mass, drag, weight, printed_weight, constant, printed_constant
+):
+    """The light cable's printed weight is 3.6 % above (m - rho pi d^2/4) g. H = sqrt(2 w/(C_D rho d)), w printed."""
+    by_hand = (mass - 1025.0 * math.pi * diameter**2 / 4.0) * 9.80665
+    assert by_hand == pytest.approx(weight, abs=0.01)
+    assert printed_weight / by_hand - 1.0 == pytest.approx(0.036 if mass < 2.0 else 0.001, abs=1e-3)
+    assert math.sqrt(2.0 * printed_weight / (drag * 1025.0 * diameter)) == pytest.approx(constant, abs=5e-5)
+    assert constant == pytest.approx(printed_constant, rel=2e-3)
+
+
+def test_the_second_derivative_of_pintos_equation_2_is_the_curvature_vector():
+    """Of a helix of 3 m that rises 4 m per radian: R/(R^2 + h^2) = 0.12 per metre; his n is to have length 1."""
+    radius, rise, step = 3.0, 4.0, 1e-3
+
+    def helix(p):
+        angle = p / math.hypot(radius, rise)
+        return np.array([radius * math.cos(angle), radius * math.sin(angle), rise * angle])
+
+    bend = (helix(step) - 2.0 * helix(0.0) + helix(-step)) / step**2
+    assert bend == pytest.approx([-radius / (radius**2 + rise**2), 0.0, 0.0], abs=1e-6)
+
+
+def test_pintos_equation_15_is_inverted_a_tight_cable_is_longer():
+    """dp/ds = 1 + e on the light cable towed at 1 m/s, made soft; printed 1/(1 + e)."""
+    parameters = bare(500.0, 25, 1.0)
+    soft = dataclasses.replace(LIGHT, axial_stiffness=1e5)
+    plant = CableDynamics(dataclasses.replace(parameters, cable=soft))
+    plant.start_at_equilibrium(np.zeros(3))
+    ratio = np.linalg.norm(np.diff(plant.node_positions, axis=0), axis=1) / np.diff(plant.material_coordinates)
+    strain = plant.segment_tensions / 1e5
+    assert strain[-1] > 0.01
+    assert ratio == pytest.approx(1.0 + strain, abs=1e-9)
+    assert abs(ratio[-1] * (1.0 + strain[-1]) - 1.0) > 0.02
 
 
 @pytest.mark.parametrize(("slow", "fast"), [(0.5, 1.0), (1.0, 0.5)])

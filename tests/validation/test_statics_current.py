@@ -144,11 +144,6 @@ def sheared(angle):
     return Current([way, 0.1 * way], [0.0, SHEAR_DEPTH])
 
 
-def test_the_hydrodynamic_constant_of_the_light_armoured_cable_is_the_printed_one():
-    constant = math.sqrt(LIGHT_ARMOURED.weight / LIGHT_ARMOURED.normal_drag)
-    assert constant == pytest.approx(HYDRODYNAMIC_CONSTANT, rel=2e-3)
-
-
 def test_touchdown_footprint_in_the_sheared_current(gallery):
     # Pinto: suspended length 30 % above the straight line in a head current, 22 % below in a following one. The ship's
     # speed is not printed. His straight line is that of the hydrodynamic constant, angle H/V, length depth V/H. At

@@ -44,7 +44,10 @@ def test_in_still_water_the_report_is_weight_and_stretch():
 
 
 def test_pressure_shortens_the_cable_by_the_integral_of_pressure_and_area_over_ea():
-    """Pinto, Eq. 16: rho g A L^2/(2 EA) over a depth of L. Steel wire of 40 mm, 3,000 m: 0.56 m."""
+    """Pinto, Eq. 16: rho g A L^2/(2 EA) over a depth of L. Steel wire of 40 mm, 3,000 m: 0.56 m.
+
+    The printed term is rho A y, without g: 0.06 m, and a mass where a force belongs.
+    """
     wire = CableParameters(diameter=0.040, displaced_diameter=0.032, mass_per_length=6.54, axial_stiffness=6.46e7)
     unit = UnitParameters(mass=2e4, volume=2.0)
     report = hanging_report(CableSimParameters(length=3000.0, cable=wire, unit=unit))
