@@ -57,7 +57,7 @@ COMMANDS: dict[str, list[str]] = {
     "short run": ["run", "b2_calm_300", "--duration", "300", "--bag", "run"],
     "record": ["record", "bag"],
     "whatif": ["whatif", "RECORD", "--law", "off,industrial,lqg,mpc"],
-    "accept": ["accept", "harbour_test", "--output", "accepted"],
+    "acceptance": ["study", "harbour_test", "--output", "accepted"],
 }
 RECORDED = ("run", "b2_calm_300", "--duration", "120", "--composed", "--no-report", "--no-baseline", "--quiet")
 """The run, by its command, of which `whatif` is asked."""
