@@ -104,9 +104,13 @@ def test_delay_asks_for_more_control_energy_for_the_same_effect(name: str, galle
         assert index[0] < index[1] < index[2]
 
 
-def at_sigma(K: float, sigma: float) -> float:
-    """Gain index of the LQR that leaves `sigma` with a winch of bandwidth K, by bisection of its weight."""
-    model = continuous_model(ModelInputs(CableModel(0.8959, 0.1658), winch(K), THESIS_SEA, THESIS_VESSEL))
+def at_sigma(K: float, sigma: float, stiffness: float = 1.0) -> float:
+    """Gain index of the LQR that leaves `sigma` with a winch of bandwidth K, by bisection of its weight.
+
+    The cable has `stiffness` times that of thesis 6.3.6: a and b are mass and damping over it.
+    """
+    cable = CableModel(0.8959 / stiffness, 0.1658 / stiffness)
+    model = continuous_model(ModelInputs(cable, winch(K), THESIS_SEA, THESIS_VESSEL))
     low, high = math.log(1e-3), math.log(1e8)
     for _ in range(24):
         middle = 0.5 * (low + high)
@@ -132,6 +136,20 @@ def test_a_winch_beyond_a_critical_bandwidth_saves_no_control_energy(gallery) ->
     slow, middle, fast = (float(np.interp(math.log(K), np.log(bandwidths), index)) for K in (0.2, 5.0, 25.0))
     assert slow > 2.0 * middle
     assert middle < 1.25 * fast
+
+
+def test_the_cables_stiffness_has_an_optimum_by_the_same_steps() -> None:
+    """Thesis 6.3.5 names the cable's parameters too, and prints no figure: sigma of 1 cm, K = 1, 0.1 to 10 times EA.
+
+    A soft cable answers late to the winch, and needs up to three times the gains; a stiff one passes on what the winch
+    cannot follow. Between them the index is flat: 5 % from 1 to 3 times the stated stiffness.
+    """
+    stiffness = np.array([0.1, 0.3, 1.0, 2.0, 3.0, 10.0])
+    index = np.array([at_sigma(1.0, 0.01, s) for s in stiffness])
+    assert stiffness[index.argmin()] == 2.0
+    assert index[2:5] == pytest.approx(index.min(), rel=0.06)
+    assert index[0] > 2.8 * index.min()
+    assert index[-1] > 1.2 * index.min()
 
 
 def test_the_response_is_reconstructed_as_in_the_thesis(gallery) -> None:

@@ -16,7 +16,8 @@ from cable_sim_node.parameters import CableParameters, CableSimParameters, Solve
 from heave_node.numerics.kinematics import PointMotion
 
 from tests.validation.lowering import lower
-from tests.validation.peers.driven_run import ramped_sine, run_driven
+from tests.validation.peers.driven_run import first_harmonic, ramped_sine, run_driven
+from tests.validation.peers.moordyn import RK2, run_moordyn
 from tests.validation.peers.reference_systems import s300
 
 
@@ -473,19 +474,25 @@ def test_pintos_towed_cable_speeds_up_and_slows_down_to_the_straight_line(slow, 
     assert slope() == pytest.approx(critical_angle(fast), abs=0.03)
 
 
+def in_pintos_wave(t, tow=0.0):
+    """Return the boom tip in a wave of 3 m, 10 s with his RAO, surge 0.708 at -45.9 deg and heave 1.619, on a `tow`.
+
+    Wave and speed of the tow [m/s] rise within 30 s.
+    """
+    omega, s = 2.0 * math.pi / 10.0, min(t / 30.0, 1.0)
+    rise = s**3 * (10.0 - 15.0 * s + 6.0 * s * s)
+    slope = 30.0 * s**2 * (1.0 - s) ** 2 / 30.0
+    sizes, phases = np.array([3.0 * 0.708, 0.0, 3.0 * 1.619]), np.array([math.radians(-45.9), 0.0, 0.0])
+    sine, cosine = np.sin(omega * t + phases), np.cos(omega * t + phases)
+    way = 30.0 * (2.5 * s**4 - 3.0 * s**5 + s**6) + max(t - 30.0, 0.0)
+    towed = np.array([tow, 0.0, 0.0])
+    velocity = sizes * (slope * sine + rise * omega * cosine) + rise * towed
+    return PointMotion(t, sizes * rise * sine + way * towed, velocity)
+
+
 def test_pintos_wave_slackens_the_light_cable_and_refinement_agrees():
-    """3 m, 10 s wave with his RAO (surge 0.708 at -45.9 deg, heave 1.619): heave of 4.9 m; tension stays above zero."""
-    omega = 2.0 * math.pi / 10.0
-
-    def motion(t):
-        s = min(t / 30.0, 1.0)
-        rise = s**3 * (10.0 - 15.0 * s + 6.0 * s * s)
-        slope = 30.0 * s**2 * (1.0 - s) ** 2 / 30.0
-        sizes, phases = np.array([3.0 * 0.708, 0.0, 3.0 * 1.619]), np.array([math.radians(-45.9), 0.0, 0.0])
-        sine, cosine = np.sin(omega * t + phases), np.cos(omega * t + phases)
-        return PointMotion(t, sizes * rise * sine, sizes * (slope * sine + rise * omega * cosine))
-
-    peaks = []
+    """Heave of 4.9 m; tension stays above zero."""
+    motion, peaks = in_pintos_wave, []
     for segments in (25, 50):
         plant = CableDynamics(bare(500.0, segments, 1.0))
         plant.start_at_equilibrium(motion(0.0).position)
@@ -498,3 +505,32 @@ def test_pintos_wave_slackens_the_light_cable_and_refinement_agrees():
         assert late.max() > 1.5 * static
         peaks.append(late.max())
     assert peaks[0] == pytest.approx(peaks[1], rel=0.05)
+
+
+def test_pintos_wave_pulls_the_light_cable_as_in_moordyn():
+    """Figure 5 without bending, at 1 m/s: the plant in the current against the tow, MoorDyn on the tow in still water.
+
+    MoorDyn takes the top's speed as constant over a tick, and each step of it pulls by sqrt(EA m) times the step: hence
+    ticks of 10 ms. Its cable starts as a chord and takes 400 s to settle.
+    """
+    pytest.importorskip("moordyn")
+    parameters = dataclasses.replace(
+        bare(500.0, 50, 1.0),
+        cable=dataclasses.replace(LIGHT, bending_stiffness=0.0),
+        unit=UnitParameters(mass=0.5, volume=1e-4, added_mass=(0.0,) * 3, drag_coefficient=(0.0,) * 3),
+        surface=False,
+    )
+    peer = run_moordyn(parameters, lambda t: in_pintos_wave(t, 1.0), duration=400.0, tick=0.01, setting=RK2)
+    plant = CableDynamics(parameters)
+    plant.start_at_equilibrium(np.zeros(3))
+    tensions = []
+    for k in range(8000):
+        plant.advance(0.05, in_pintos_wave(0.05 * k), in_pintos_wave(0.05 * (k + 1)), 0.0, 0.0, 0.0, 0.0)
+        tensions.append(plant.top_tension)
+    times, own, other = peer.times[4::5][-800:], np.array(tensions)[-800:], peer.tension[4::5][-800:]
+    mean, size, phase = first_harmonic(times, own, 2.0 * math.pi / 10.0)
+    peer_mean, peer_size, peer_phase = first_harmonic(times, other, 2.0 * math.pi / 10.0)
+    assert mean == pytest.approx(peer_mean, rel=0.01)
+    assert size == pytest.approx(peer_size, rel=0.01)
+    assert phase == pytest.approx(peer_phase, abs=0.01)
+    assert own.max() == pytest.approx(other.max(), rel=0.015)

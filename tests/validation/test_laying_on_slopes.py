@@ -1,4 +1,4 @@
-"""Laying a cable on an irregular seabed: the situations A to D of Pinto's figure 1.
+"""Laying a cable: on an irregular seabed, the situations A to D of Pinto's figure 1; on a change of course.
 
 The figure is a sketch: neither it nor the text gives a depth, a speed, an angle, a height or a payout, so that no
 number of it can be reproduced. What the text says of each situation follows from exact kinematics instead: in still
@@ -116,14 +116,18 @@ class Lay:
             return math.hypot(DEPTH, ship) - DEPTH
         return self.arc(x) - self.arc(0.0) + (ship - x) / math.cos(self.angle) - DEPTH
 
-    def run(self, way, payout):
-        """Lay until the ship has gone `way` [m], with the `payout` of the ship's way; return the plant."""
+    def run(self, way, payout, track=lambda x: (x, 0.0), watch=None):
+        """Lay until the ship has gone `way` [m] along its `track`, with the `payout` of its way; return the plant.
+
+        `watch` is called with the plant and the way after each tick.
+        """
         plant = CableDynamics(self.parameters)
         plant.start_at_equilibrium(np.zeros(3))
 
         def motion(t):
             x, v = self.ship(t)
-            return PointMotion(t, np.array([x, 0.0, 0.0]), np.array([v, 0.0, 0.0]))
+            place = np.array([*track(x), 0.0])
+            return PointMotion(t, place, v * (np.array([*track(x + 1e-4), 0.0]) - place) / 1e-4)
 
         def paid(t):
             out = [payout(self.ship(max(at, 0.0))[0]) for at in (t - 0.05, t, t + 0.05)]
@@ -134,6 +138,8 @@ class Lay:
             after = (motion(t + TICK), paid(t + TICK))
             plant.advance(TICK, ends[0], after[0], *ends[1], *after[1])
             t, ends = t + TICK, after
+            if watch is not None:
+                watch(plant, self.ship(t)[0])
         return plant
 
     def clearances(self, plant, start, end):
@@ -181,3 +187,38 @@ def test_a_slope_steeper_than_the_cable_hangs_is_spanned_and_a_slower_ship_cover
     assert math.degrees(slow.angle) > 68.0
     covered = slow.run(90.0, slow.covering)
     assert slow.clearances(covered, 50.0, 70.0).max() < 0.1
+
+
+def test_a_change_of_course_while_laying_cuts_the_corner_and_leaves_the_top_tension():
+    """A quarter turn of 120 m at 2 m/s with the payout of the ship's way; by hand, without inertia and friction along.
+
+    T_s = w z_s in any shape: the top carries w D throughout. The line's tangent leans inwards by b s at the arc s from
+    the bottom, where lateral drag w s sin^2 a (cos a/R - b) turns it: b = sin^2 a cos a/(R (1 + sin^2 a)). So the cable
+    lies (D cos a)^2/(2 R (1 + sin^2 a)) inside the ship's track. Then it is straight again, along the new course.
+    """
+    radius, start = 120.0, 120.0
+    lay = Lay((60.0, 90.0), (0.0, 0.0), 2.0)
+    arc = 0.5 * math.pi * radius
+
+    def track(way):
+        turned = min(max(way - start, 0.0), arc) / radius
+        ahead, after = min(way, start), max(way - start - arc, 0.0)
+        return ahead + radius * math.sin(turned), radius * (1.0 - math.cos(turned)) + after
+
+    pulls = []
+
+    def watch(plant, way):
+        if start + 20.0 < way < start + arc:
+            pulls.append(plant.top_tension)
+
+    plant = lay.run(start + arc + 100.0, lay.covering, track, watch)
+    assert np.mean(pulls) == pytest.approx(WEIGHT * DEPTH, rel=0.01)
+    x, a = plant.node_positions, lay.angle
+    from_centre = x[:, :2] - np.array([start, radius])
+    angle = np.arctan2(from_centre[:, 0], -from_centre[:, 1])
+    middle = (np.abs(x[:, 2] + DEPTH) < 0.1) & (angle > 0.7) & (angle < 1.1)
+    cut = (DEPTH * math.cos(a)) ** 2 / (2.0 * radius * (1.0 + math.sin(a) ** 2))
+    assert radius - np.linalg.norm(from_centre[middle], axis=1) == pytest.approx(cut, rel=0.01)
+    chord = x[-1] - x[-20]
+    assert math.atan2(chord[2], math.hypot(chord[0], chord[1])) == pytest.approx(a, abs=0.01)
+    assert math.atan2(chord[1], chord[0]) == pytest.approx(0.5 * math.pi, abs=0.01)
