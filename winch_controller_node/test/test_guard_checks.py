@@ -297,7 +297,7 @@ def test_a_law_that_keeps_the_limits_by_itself_is_given_as_much_as_the_winch_can
 
 
 def shown(share_of_unit, share_of_drum, free=(0.3, 0.1), tip=(0.5, 0.2)):
-    """Return the authority that a unit and a drum show which move as if each had such a share of the sea."""
+    """Return the authority that a unit and a drum show, each moving with such a part of the heave of the boom tip."""
     left = 1.0 - share_of_unit
     guard = Guard(guard_design(GuardParameters(), GuardedLoop(LIMITS, inertia=4.0), DT))
     drum = {"payout": share_of_drum * tip[0], "payout_rate": share_of_drum * tip[1]}
