@@ -12,6 +12,8 @@ from heave_node.interface.alarm import Severity
 from heave_node.interface.fault_kinds import FAULTS, faults_of
 from heave_node.interface.sensors import MruReading
 from winch_controller_node.interface.readings import Measurements, Outputs, ScalarReading, WinchReading
+from winch_controller_node.motion.trajectory import MeanPayout
+from winch_controller_node.parameters.laws import MoveParameters
 
 from tests.campaigns.fault_matrix.cases import BRANCHES, cell
 from tests.campaigns.fault_matrix.faults import BY_NAME, KINDS, Fault
@@ -97,8 +99,19 @@ def test_what_was_asked_is_no_travel_and_no_more_of_it_than_had_time():
     assert np.max(beyond(TIME, payout, Asked(3.0, 0.2, travel=0.4), BEGIN)) == pytest.approx(0.6)
     assert np.max(beyond(TIME, payout, Asked(4.0, 0.1), BEGIN)) == pytest.approx(2.0)
     assert np.max(beyond(TIME, payout, Asked(-4.0, 0.2), BEGIN)) == pytest.approx(4.0)
-    assert Asked(-4.0, 0.2).after(5.0) == Asked(-3.0, 0.2)
-    assert Asked(4.0, 0.2).after(50.0).distance == 0.0
+
+
+def test_of_a_move_is_left_what_the_mean_payout_has_still_to_go():
+    mean = MeanPayout(MoveParameters(), tick_period=PERIOD)
+    lift = Asked(-2.0, 1.0, is_to_come=True)
+    assert lift.left(mean) == lift
+    assert Asked(-4.0, 0.2).left(mean) == Asked(-0.0, 0.2), "it has ended"
+    assert Asked(-math.inf, 0.2).left(mean) == Asked(-math.inf, 0.2)
+    mean.move_to(-4.0, 0.2)
+    for _ in range(100):
+        mean.advance()
+    assert Asked(-4.0, 0.2).left(mean) == Asked(-4.0 - mean.point.payout, 0.2)
+    assert -4.0 < Asked(-4.0, 0.2).left(mean).distance < -3.0 - 0.2, "5 s are less than 1 m: it starts gently"
 
 
 def test_the_envelope_is_that_of_rate_and_heave_of_the_minute():
@@ -115,6 +128,10 @@ def test_the_envelope_is_that_of_rate_and_heave_of_the_minute():
     assert envelope_ratio(TIME, moves, none, still, Asked(), BEGIN) > 10.0
     before = np.clip(0.4 * (TIME - 70.0), 0.0, 8.0)
     assert envelope_ratio(TIME, before + tip, before, tip, Asked(), BEGIN) < 0.6
+    gently = np.interp(TIME - BEGIN, [0.0, 10.0, 40.0, 60.0], [0.0, 1.0, 10.0, 12.0])
+    assert envelope_ratio(TIME, gently, gently, still, Asked(12.0, 0.4), BEGIN) < 1.0, "a move comes to rest smoothly"
+    assert envelope_ratio(TIME, 1.2 * gently, gently, still, Asked(12.0, 0.4), BEGIN) > 1.0
+    assert envelope_ratio(TIME, 1.2 * gently, 1.2 * gently, still, Asked(12.0, 0.4), BEGIN) > 1.0, "further than asked"
 
 
 def test_an_integral_that_leaks_forgets_with_its_time_constant():

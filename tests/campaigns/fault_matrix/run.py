@@ -119,7 +119,7 @@ def _branch(one: Cell, session: Session, after: float) -> Outcome:
         session.go(one.offset)
         begin = session.time
         session.wires.begin(one.fault)
-        session.asked = session.asked.after(one.offset)
+        session.asked = session.asked.left(session.loop.controller.mean)
         session.go(after)
     except Exception as error:  # see `_run_loop`
         return Outcome(failure=_words(error))
