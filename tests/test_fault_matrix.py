@@ -3,11 +3,13 @@
 import json
 import math
 from dataclasses import asdict
+from functools import partial
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from cable_sim_node.winch.command_line import WinchCommand
+from heave_bringup.closed_loop import COLUMNS, LoopRecord
 from heave_node.interface.alarm import Severity
 from heave_node.interface.fault_kinds import FAULTS, faults_of
 from heave_node.interface.sensors import MruReading
@@ -40,7 +42,7 @@ from tests.campaigns.fault_matrix.judge import (
 )
 from tests.campaigns.fault_matrix.moments import MOMENTS, Asked
 from tests.campaigns.fault_matrix.page import RESULTS, add, page, shown_of
-from tests.campaigns.fault_matrix.run import Outcome, outcome_of, run_cells
+from tests.campaigns.fault_matrix.run import Outcome, judged, outcome_of, run_cells
 from tests.campaigns.fault_matrix.wires import Wires
 
 PERIOD = 0.05
@@ -151,6 +153,20 @@ def test_the_unit_counts_from_ten_seconds_after_the_fault_on():
     short = TIME < BEGIN + 20.0
     assert unit_ratio(TIME[short], unit[short], off[short], BEGIN) == pytest.approx(1.3, rel=2e-2)
     assert math.isnan(unit_ratio(TIME[short], unit[short], off[short], BEGIN + 6.0))
+
+
+@pytest.mark.parametrize(("asked", "least", "most"), [(Asked(-math.inf, 0.06), 0.95, 1.05), (Asked(-20.0), 1.2, 2.0)])
+def test_a_drum_that_is_driven_by_hand_and_creeps_is_no_motion_of_the_unit(asked, least, most):
+    """It goes 0.035 m/s of 0.06: in a minute 1.5 m of trend, beside a heave of 0.7 m rms; in a move that counts."""
+    (one,) = [one for one in map(partial(cell, 1), range(44)) if one.base.moment == "manual"][:1]
+    record = LoopRecord(np.ones((TIME.size, len(COLUMNS))), ["manual"] * TIME.size)
+    since = np.maximum(TIME - BEGIN, 0.0)
+    off = np.sin(OMEGA * TIME)
+    columns = {"time": TIME, "boom_tip": off, "uncompensated": off, "unit": off + 0.035 * since}
+    columns |= {"payout": -0.035 * since, "payout_rate": 0.0 * TIME, "depth_set_point": -0.06 * since}
+    for name, values in columns.items():
+        record.rows[:, COLUMNS.index(name)] = values
+    assert least < judged(one, record, TIME < 0.0, 0.0 * TIME, asked, BEGIN).unit < most
 
 
 def test_what_shows_a_fault_is_a_way_an_order_and_time_under_the_brake():
