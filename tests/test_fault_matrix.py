@@ -3,15 +3,19 @@
 import json
 import math
 from dataclasses import asdict
+from functools import partial
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from cable_sim_node.winch.command_line import WinchCommand
+from heave_bringup.closed_loop import COLUMNS, LoopRecord
 from heave_node.interface.alarm import Severity
 from heave_node.interface.fault_kinds import FAULTS, faults_of
 from heave_node.interface.sensors import MruReading
 from winch_controller_node.interface.readings import Measurements, Outputs, ScalarReading, WinchReading
+from winch_controller_node.motion.trajectory import MeanPayout
+from winch_controller_node.parameters.laws import MoveParameters
 
 from tests.campaigns.fault_matrix.cases import BRANCHES, cell
 from tests.campaigns.fault_matrix.faults import BY_NAME, KINDS, Fault
@@ -38,7 +42,7 @@ from tests.campaigns.fault_matrix.judge import (
 )
 from tests.campaigns.fault_matrix.moments import MOMENTS, Asked
 from tests.campaigns.fault_matrix.page import RESULTS, add, page, shown_of
-from tests.campaigns.fault_matrix.run import Outcome, outcome_of, run_cells
+from tests.campaigns.fault_matrix.run import Outcome, judged, outcome_of, run_cells
 from tests.campaigns.fault_matrix.wires import Wires
 
 PERIOD = 0.05
@@ -97,8 +101,19 @@ def test_what_was_asked_is_no_travel_and_no_more_of_it_than_had_time():
     assert np.max(beyond(TIME, payout, Asked(3.0, 0.2, travel=0.4), BEGIN)) == pytest.approx(0.6)
     assert np.max(beyond(TIME, payout, Asked(4.0, 0.1), BEGIN)) == pytest.approx(2.0)
     assert np.max(beyond(TIME, payout, Asked(-4.0, 0.2), BEGIN)) == pytest.approx(4.0)
-    assert Asked(-4.0, 0.2).after(5.0) == Asked(-3.0, 0.2)
-    assert Asked(4.0, 0.2).after(50.0).distance == 0.0
+
+
+def test_of_a_move_is_left_what_the_mean_payout_has_still_to_go():
+    mean = MeanPayout(MoveParameters(), tick_period=PERIOD)
+    lift = Asked(-2.0, 1.0, is_to_come=True)
+    assert lift.left(mean) == lift
+    assert Asked(-4.0, 0.2).left(mean) == Asked(-0.0, 0.2), "it has ended"
+    assert Asked(-math.inf, 0.2).left(mean) == Asked(-math.inf, 0.2)
+    mean.move_to(-4.0, 0.2)
+    for _ in range(100):
+        mean.advance()
+    assert Asked(-4.0, 0.2).left(mean) == Asked(-4.0 - mean.point.payout, 0.2)
+    assert -4.0 < Asked(-4.0, 0.2).left(mean).distance < -3.0 - 0.2, "5 s are less than 1 m: it starts gently"
 
 
 def test_the_envelope_is_that_of_rate_and_heave_of_the_minute():
@@ -115,6 +130,10 @@ def test_the_envelope_is_that_of_rate_and_heave_of_the_minute():
     assert envelope_ratio(TIME, moves, none, still, Asked(), BEGIN) > 10.0
     before = np.clip(0.4 * (TIME - 70.0), 0.0, 8.0)
     assert envelope_ratio(TIME, before + tip, before, tip, Asked(), BEGIN) < 0.6
+    gently = np.interp(TIME - BEGIN, [0.0, 10.0, 40.0, 60.0], [0.0, 1.0, 10.0, 12.0])
+    assert envelope_ratio(TIME, gently, gently, still, Asked(12.0, 0.4), BEGIN) < 1.0, "a move comes to rest smoothly"
+    assert envelope_ratio(TIME, 1.2 * gently, gently, still, Asked(12.0, 0.4), BEGIN) > 1.0
+    assert envelope_ratio(TIME, 1.2 * gently, 1.2 * gently, still, Asked(12.0, 0.4), BEGIN) > 1.0, "further than asked"
 
 
 def test_an_integral_that_leaks_forgets_with_its_time_constant():
@@ -134,6 +153,20 @@ def test_the_unit_counts_from_ten_seconds_after_the_fault_on():
     short = TIME < BEGIN + 20.0
     assert unit_ratio(TIME[short], unit[short], off[short], BEGIN) == pytest.approx(1.3, rel=2e-2)
     assert math.isnan(unit_ratio(TIME[short], unit[short], off[short], BEGIN + 6.0))
+
+
+@pytest.mark.parametrize(("asked", "least", "most"), [(Asked(-math.inf, 0.06), 0.95, 1.05), (Asked(-20.0), 1.2, 2.0)])
+def test_a_drum_that_is_driven_by_hand_and_creeps_is_no_motion_of_the_unit(asked, least, most):
+    """It goes 0.035 m/s of 0.06: in a minute 1.5 m of trend, beside a heave of 0.7 m rms; in a move that counts."""
+    (one,) = [one for one in map(partial(cell, 1), range(44)) if one.base.moment == "manual"][:1]
+    record = LoopRecord(np.ones((TIME.size, len(COLUMNS))), ["manual"] * TIME.size)
+    since = np.maximum(TIME - BEGIN, 0.0)
+    off = np.sin(OMEGA * TIME)
+    columns = {"time": TIME, "boom_tip": off, "uncompensated": off, "unit": off + 0.035 * since}
+    columns |= {"payout": -0.035 * since, "payout_rate": 0.0 * TIME, "depth_set_point": -0.06 * since}
+    for name, values in columns.items():
+        record.rows[:, COLUMNS.index(name)] = values
+    assert least < judged(one, record, TIME < 0.0, 0.0 * TIME, asked, BEGIN).unit < most
 
 
 def test_what_shows_a_fault_is_a_way_an_order_and_time_under_the_brake():

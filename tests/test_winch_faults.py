@@ -25,7 +25,7 @@ TICK, SUPERVISED, BEGIN = 0.05, 1.0, 40.0
 class Run:
     """A loop that compensates from 15 s on; a fault of the winch begins at BEGIN."""
 
-    def __init__(self, seed=1, **own):
+    def __init__(self, seed=1, supervised=SUPERVISED, **own):
         values = {
             "length": 900.0,
             "cable_model.inertia": INERTIA,
@@ -43,7 +43,7 @@ class Run:
         parameters = LoopParameters(
             sea=build_parameters(WaveVesselParameters, waves, where="test"),
             plant=plant,
-            winch=replace(WinchParameters(), supervision_time=SUPERVISED),
+            winch=replace(WinchParameters(), supervision_time=supervised),
             controller=build_parameters(WinchControllerParameters, values, where="test"),
             seed=seed,
         )
@@ -101,6 +101,20 @@ def test_a_drum_that_does_not_follow_is_stopped_by_its_drive_and_the_controller_
     assert any("winch fault: drive" in told for _, told in run.alarms)
     still = run.column("payout_rate", BEGIN + within + 2.0)
     assert np.abs(still).max() == 0.0, "the brake holds"
+
+
+@pytest.mark.parametrize(("lasts", "named"), [(0.0, True), (2.0, False)])
+def test_a_brake_that_stays_shut_is_named_without_the_drives_supervision_and_one_that_is_slow_to_open_is_not(
+    lasts, named
+):
+    """It was explained by a weak winch, and ended by the swing of the load after ten seconds."""
+    run = Run(supervised=0.0)
+    run.inject("brake_shut", duration=lasts)
+    # a brake may take 3 s to open, and about a turn of the wave 0.5 s prove nothing
+    run.go(BEGIN + 4.5)
+    assert any("DRUM_OR_ENCODER_STILL" in told for _, told in run.alarms) is named
+    run.go(BEGIN + 9.0)
+    assert [told.startswith("DRIVE_AT_FAULT") for _, told in run.alarms].count(True) == int(named), "once"
 
 
 @pytest.mark.parametrize("kind", ["brake_slip", "brake_open"])

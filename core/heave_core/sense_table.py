@@ -154,6 +154,7 @@ STEP_LIMITS = structure(
     Row("largest_play", "m", "that it may be found to have"),
     Row("beyond_play", "", "way of a drum that has turned round, over the play found, that proves it frozen"),
     Row("known_unseen", "", "share of an unseen way by which the drum may be elsewhere"),
+    Row("release_time", "s", "for which a winch that is ordered to move may hold its drum"),
 )
 
 WATCHES = structure(
@@ -329,6 +330,7 @@ ENCODER = structure(
     Row("path", "m", "magnitude of that"),
     Row("is_frozen", "", "1: it is"),
     Row("turned", "m", "the last step"),
+    Row("held", "s", "for which the winch has held the drum although it is ordered to move"),
     Row("count", "", "ticks so far"),
     Row("times", "s", "ring of ticks", shape=(TRAVELS,)),
     Row("totals", "m", "ring of the way that the drum should have turned until then", shape=(TRAVELS,)),

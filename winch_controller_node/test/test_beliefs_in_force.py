@@ -198,6 +198,16 @@ def test_a_sensor_that_is_left_out_is_doubted_and_used_again_with_the_next_answe
     assert controller.observer.excluded == ""
 
 
+@pytest.mark.parametrize("findings", [(), (Finding("excluded", "mru"),)])
+def test_a_sensor_that_is_left_out_is_named_once_whether_the_adviser_reports_it_or_not(findings):
+    controller = made()
+    controller.take(answer(0, excluded="mru", findings=findings))
+    named = [alarm.code for alarm in stepped(controller, 1, AFTER) if alarm.code == "MRU_EXCLUDED"]
+    assert named == ["MRU_EXCLUDED"]
+    controller.take(answer(AFTER, excluded="mru", number=2))
+    assert "MRU_EXCLUDED" not in [alarm.code for alarm in stepped(controller, AFTER + 1, 2 * AFTER)]
+
+
 @pytest.mark.parametrize("aside", [True, False])
 def test_an_encoder_that_a_reflex_sets_aside_is_no_concern_of_an_echo(aside):
     """A second later the adviser says what the core had done: that ends no stop, and sets nothing aside again."""

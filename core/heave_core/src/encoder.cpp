@@ -80,7 +80,7 @@ int status_of(const SenseDesign &design, EncoderGate &encoder, double time, doub
 }  // namespace
 
 void begin_encoder(EncoderGate &encoder) {
-    encoder.offset = encoder.jump = encoder.as_read = encoder.play = encoder.speed = encoder.turned = encoder.count = 0.0;
+    encoder.offset = encoder.jump = encoder.as_read = encoder.play = encoder.speed = encoder.turned = encoder.held = encoder.count = 0.0;
     encoder.scale = 1.0;
     encoder.jumped_at = -INFINITE;
     encoder.last_payout = encoder.time = NOT_KNOWN;

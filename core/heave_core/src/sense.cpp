@@ -47,6 +47,14 @@ void take_mru(const Core &core, double number, const Delivered &reading, Found &
     turning.lever_x = -turned / elapsed, turning.lever_y = rolled / elapsed;
 }
 
+// Whether the drum should go as it is ordered: a winch that holds it does not, for as long as its brake takes to open.
+bool should_turn(const SenseDesign &design, const LookAt &given, EncoderGate &encoder) {
+    const double ordered = std::abs(given.compensating + given.mean);
+    if (given.is_driven != 0.0 || ordered == 0.0) encoder.held = 0.0;
+    else if (ordered > design.steps.moving_speed) encoder.held += design.tick_period;
+    return given.is_driven != 0.0 || encoder.held > design.steps.release_time;
+}
+
 void take_encoder(const Core &core, const LookAt &given, double now, double rate, Found &found, Tick &tick) {
     const SenseDesign &design = core.design;
     EncoderGate &encoder = core.state.encoder;
@@ -54,7 +62,7 @@ void take_encoder(const Core &core, const LookAt &given, double now, double rate
     tick.encoder_payout = tick.counted = NOT_KNOWN;
     if (given.has_winch == 0.0) return;
     const double payout = judge_encoder(design, core.state.gates[design.encoder], encoder, now, given.winch_time, given.encoder,
-                                        rate, given.is_driven != 0.0);
+                                        rate, should_turn(design, given, encoder));
     tick.encoder_payout = payout;
     if (!std::isfinite(given.winch_time)) return;
     const Stamp stamp = stamp_of(design, given.winch_time);

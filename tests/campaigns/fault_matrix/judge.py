@@ -133,10 +133,15 @@ def rest_after(time: Array, rate: Array, brake: Array, begin: float) -> float:
     return math.inf
 
 
+def _way(time: Array, asked: Asked, begin: float) -> Array:
+    """Return how far the drum may have gone by what was `asked` since `begin` [s], at each tick, at least 0 [m]."""
+    found: Array = np.minimum(asked.speed * np.maximum(time - begin, 0.0), abs(asked.distance))
+    return found
+
+
 def beyond(time: Array, payout: Array, asked: Asked, begin: float) -> Array:
     """Return how far the drum is from where it was at `begin`, beyond what was asked of it since, at each tick [m]."""
-    since = np.maximum(time - begin, 0.0)
-    way = np.minimum(asked.speed * since, abs(asked.distance))
+    way = _way(time, asked, begin)
     moved = payout - payout[np.searchsorted(time, begin)]
     low, high = (0.0, way) if asked.distance >= 0.0 else (-way, 0.0)
     out = np.maximum(np.maximum(moved - high, low - moved) - asked.travel, 0.0)
@@ -162,27 +167,27 @@ def envelope_ratio(time: Array, payout: Array, planned: Array, tip: Array, asked
     Parameters
     ----------
     time, payout, tip : of each tick [s], [m], heave of the boom tip [m]; shapes (n,)
-    planned : mean payout that was asked for until `begin` [m], shape (n,)
+    planned : mean payout about which the controller works [m], shape (n,)
     asked : since then
     begin : of the fault [s]
 
     Bounds go by rate and heave of the boom tip in the last minute, wider while a minute is not full. The travel is that
     about the asked motion, with a leak of a minute. How much of a move the drum has made is not known: anything from
-    none of it to all.
+    none of it to all at once, or as the mean payout makes it, no further and no faster than asked.
     """
     period, since = _period(time), time >= begin
     count = round(MINUTE / period)
     wider = 2.0 - np.minimum(time / MINUTE, 1.0)
     speed = rolling_largest(np.abs(np.gradient(tip, period)), count)
     heave = rolling_largest(np.abs(tip - np.mean(tip)), count)
-    rate = np.gradient(payout, period)
-    lasts = abs(asked.distance) / max(asked.speed, 1e-9)
-    moves = np.where(since & (time - begin < lasts), asked.speed, 0.0)
+    rate, ahead = np.gradient(payout, period), math.copysign(1.0, asked.distance)
+    at_once = _way(time, asked, begin)
+    made = np.clip(ahead * (planned - planned[np.searchsorted(time, begin)]), 0.0, at_once)
+    moves = np.clip(np.gradient([at_once, made], period, axis=1).max(axis=0), 0.0, asked.speed)
     over = np.abs(rate) / (RATE * wider * speed + RATE_MARGIN + moves)
     before = np.where(since, 0.0, np.gradient(planned, period))
-    still = leaky(rate - before, period)
-    moved = leaky(rate - before - math.copysign(1.0, asked.distance) * moves, period)
-    out = np.where(np.sign(still) != np.sign(moved), 0.0, np.minimum(np.abs(still), np.abs(moved)))
+    moved = [leaky(rate - before - ahead * np.gradient(way, period), period) for way in (0.0 * time, at_once, made)]
+    out = np.maximum(np.maximum(np.min(moved, axis=0), -np.max(moved, axis=0)), 0.0)
     travel = out / (TRAVEL * wider * heave + MARGIN + asked.travel)
     return float(max(np.max(over[since]), np.max(travel[since])))
 

@@ -12,6 +12,7 @@ from heave_bringup.closed_loop import COLUMNS, ClosedLoop, LoopRecord, loop_para
 from heave_bringup.scenarios import Scenario
 from heave_node.interface.codes import WinchFault
 from heave_studies.promise.deviation import Chance, Settings
+from winch_controller_node.motion.trajectory import MeanPayout
 
 from tests.campaigns.fault_matrix.wires import Wires
 
@@ -31,11 +32,15 @@ class Asked:
     distance: float = 0.0  # of a move that is under way, paying out positive [m]
     speed: float = 0.0  # its largest speed [m/s]
     travel: float = 0.0  # allowed besides, where the winch holds a tension [m]
+    is_to_come: bool = False  # the controller begins it by itself, later
 
-    def after(self, duration: float) -> Asked:
-        """Return what is left of it after a `duration` [s]."""
-        left = max(abs(self.distance) - self.speed * duration, 0.0)
-        return replace(self, distance=math.copysign(left, self.distance))
+    def left(self, mean: MeanPayout) -> Asked:
+        """Return what is left of it as the `mean` payout stands: it comes to its speed, and to rest, smoothly."""
+        if math.isinf(self.distance):
+            return self
+        if mean.has_target:
+            return replace(self, distance=mean.target - mean.point.payout)
+        return self if self.is_to_come else replace(self, distance=0.0)
 
 
 @dataclass
@@ -209,7 +214,7 @@ def _lift_off(session: Session, _: Chance) -> bool:
     session.go(15.0)
     session.set_mode("compensating")
     tension = session.loop.controller.parameters.tension
-    session.asked = Asked(-tension.lift_height, 1.0, tension.travel)
+    session.asked = Asked(-tension.lift_height, 1.0, tension.travel, is_to_come=True)
     return True
 
 

@@ -8,6 +8,7 @@ from winch_controller_node.beliefs.beliefs import (
     Adopted,
     Beliefs,
     EncoderScale,
+    Finding,
     latency_ticks,
     parameters_under,
     without_sea,
@@ -113,9 +114,10 @@ class BeliefsInForce:
         if pending is None or pending.asked + self._latency > tick:
             return news
         self._pending = None
+        was = self.beliefs.excluded
         if pending.number != self.beliefs.number:
             self._take(pending, tick)
-        return [*news, *alarms_of(pending.findings)]
+        return [*news, *alarms_of(_findings_of(pending, was))]
 
     def _run_second(self, tick: int) -> None:
         """Run a filter with nominal values beside the active one from a `tick` on, while that has others."""
@@ -195,6 +197,12 @@ class BeliefsInForce:
             self.has_moved_tip = True
             estimation.reset_sea()
         self.corrected = changed - {"sea"}
+
+
+def _findings_of(beliefs: Beliefs, was: str) -> tuple[Finding, ...]:
+    """Return what is new in `beliefs` where a sensor `was` excluded: an exclusion is said, whether reported or not."""
+    is_said = beliefs.excluded in ("", OWN, was) or any(one.code == "excluded" for one in beliefs.findings)
+    return beliefs.findings if is_said else (*beliefs.findings, Finding("excluded", beliefs.excluded))
 
 
 def impossible(beliefs: Beliefs, nominal: WinchControllerParameters) -> str:

@@ -214,7 +214,7 @@ class WinchController(ControllerEvents):
             ),
         )
         self._alarms += [transport.alarm] if transport.alarm else []
-        self._alarms += decision.alarms
+        self._alarms += [alarm for alarm in decision.alarms if alarm not in self._alarms]
         return decision
 
     def _watch_preview(self, loop: LoopTick, delivered: HeavePreview | None) -> HeavePreview | None:

@@ -83,16 +83,15 @@ class DesignInForce:
     ) -> tuple[Array, Array]:
         """Activate a `design` for other `parameters`: another winch, cable, sensor or sea is assumed.
 
-        Waves of another sea are carried by the boom-tip motion that they cause; every other state keeps its meaning,
-        the chain of commands its newest.
+        Waves and vessel of another sea are carried by the boom-tip motion that they cause; every other state keeps its
+        meaning, the chain of commands its newest.
 
         Returns the matrix that takes a present state to one of the new design, shape (n_new, n), and the covariance
         that this adds, shape (n_new, n_new). `law` is that of the design at its initial state; None: it is made.
         """
-        old, is_other_sea = self.design, parameters.sea != self.parameters.sea
-        has_same_states = design.model.state_names == old.model.state_names
+        old, before = self.design, self.parameters
         self.parameters, self.design, self.law = parameters, design, law or design.make_law()
-        if is_other_sea and has_same_states:
+        if (parameters.sea, parameters.vessel) != (before.sea, before.vessel):
             return carry_sea(old, design)
         return carry_by_name(old, design), np.zeros((design.model.order, design.model.order))
 

@@ -87,6 +87,7 @@ STEPS = {
     "largest_play": 0.1,
     "beyond_play": 1.25,
     "known_unseen": 0.2,
+    "release_time": 3.0,  # a large disc brake opens in a second
 }
 """What is no jump: meanings and units are in the core's table, STEP_LIMITS."""
 
