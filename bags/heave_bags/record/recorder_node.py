@@ -19,13 +19,13 @@ from heave_node.errors import NodeError
 from heave_node.interface import topics
 from heave_node.interface.topic import Role, Topic
 from heave_node.ros.diagnostics import Health
-from heave_node.ros.node import expect_no, expect_sender, steady_clock
+from heave_node.ros.node import steady_clock
 from heave_node.ros.participant import HELD_MESSAGES, ParticipantNode
 from heave_node.ros.process import run_process
 from heave_node.ros.release import DISTRIBUTION
 from heave_node.ros.spin import sender_callback
 from heave_node.tick.gate import has_stamp
-from heave_node.tick.malformed import fault_in_join
+from heave_node.tick.malformed import expect_no, expect_sender, fault_in_join
 from heave_node.tick.protocol import Part
 from heave_node.tick.speakers import Speakers, Standing
 from heave_node.tick.tick import Tick

@@ -23,7 +23,7 @@ from heave_node.interface.alarm import NODE_ALARMS
 from heave_node.interface.topic import Topic
 from heave_node.ros.diagnostics import Health, Level, alarm_health
 from heave_node.ros.input_timing import timing_health
-from heave_node.ros.node import HeaveNode, ProtocolError, expect_no, expect_sender, steady_clock
+from heave_node.ros.node import HeaveNode, steady_clock
 from heave_node.ros.ports import Output
 from heave_node.ros.silence import MasterWaits, Patience
 from heave_node.ros.transport.exchange import LocalPublisher
@@ -33,6 +33,7 @@ from heave_node.ros.transport.qos import mismatches
 from heave_node.ros.transport.real_time import after_tick
 from heave_node.tick import malformed
 from heave_node.tick.loop_timing import LoopTiming
+from heave_node.tick.malformed import ProtocolError, expect_no, expect_sender
 from heave_node.tick.protocol import Part
 from heave_node.tick.roster import NOT_WAITED_FOR, Participant, Roster
 from heave_node.tick.speakers import Speakers
@@ -97,8 +98,8 @@ class ClockMasterNode(HeaveNode):
         self._lead = Part()
         self._clock_output = self.add_output(topics.CLOCK)
         self._protocol = _Protocol(
-            self.create_protocol_publisher(topics.TICK_ROSTER),
-            self.create_protocol_publisher(topics.TICK_STATUS),
+            self.make_publisher(topics.TICK_ROSTER),
+            self.make_publisher(topics.TICK_STATUS),
             self.add_apart(topics.TICK_START),
         )
         self.create_protocol_subscription(topics.TICK_JOIN, self._on_join)

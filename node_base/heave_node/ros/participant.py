@@ -15,10 +15,11 @@ from rclpy.lifecycle import LifecycleState, TransitionCallbackReturn
 
 from heave_node.interface import topics
 from heave_node.ros.diagnostics import Health, Level
-from heave_node.ros.node import HeaveNode, ProtocolError, expect_no, expect_sender, steady_clock
+from heave_node.ros.node import HeaveNode, steady_clock
 from heave_node.ros.silence import Patience, Silence
 from heave_node.ros.transport.real_time import after_tick
 from heave_node.tick import malformed
+from heave_node.tick.malformed import ProtocolError, expect_no, expect_sender
 from heave_node.tick.protocol import Part
 from heave_node.tick.punctuality import Punctuality
 from heave_node.tick.roster import KnownRoster

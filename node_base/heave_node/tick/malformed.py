@@ -1,4 +1,4 @@
-"""What is wrong with a message of the tick protocol, in words; "" where nothing is.
+"""What is wrong with a message of the tick protocol, in words, "" where nothing is; and how it is refused.
 
 Messages come from whoever publishes on the topic: their lists need not fit together, their numbers need not be numbers.
 """
@@ -11,6 +11,23 @@ from collections.abc import Sized
 from heave_msgs.msg import TickJoin, TickRoster, TickStatus
 
 from heave_node.tick.protocol import Part
+from heave_node.tick.speakers import ANYONE
+
+
+class ProtocolError(Exception):
+    """A message of the tick protocol that is rejected; says why, "" where its sender is not part of the run."""
+
+
+def expect_no(fault: str) -> None:
+    """Refuse a message of the protocol that has a `fault`; "" says that it has none."""
+    if fault:
+        raise ProtocolError(fault)
+
+
+def expect_sender(identity: str, lawful: str) -> None:
+    """Refuse a message of the protocol that comes from another process (`identity`) than the `lawful` one."""
+    if ANYONE not in (identity, lawful) and identity != lawful:
+        raise ProtocolError
 
 
 def fault_in_join(message: TickJoin) -> str:
