@@ -75,6 +75,13 @@ def test_messages_that_come_late_twice_or_not_at_all_change_nothing(loop):
     assert err.index("all nodes answer again", late) > late, "an alarm that stayed would hide the next one"
 
 
+def test_whoever_hears_a_topic_by_itself_hears_a_tick_that_is_sent_again_once(loop):
+    fault = {"virtual_winch:fault": "late", "virtual_winch:fault_tick": 30}
+    heard = [int(word) for word in ask(loop, HEAR_TO_THE_END, **fault).split()]
+    assert "resends=0" not in loop.end("cable_sim")[1]
+    assert heard == list(range(heard[0], 41))
+
+
 def test_a_message_lost_for_ever_is_named_with_its_publisher(loop):
     start_all(loop, "wave_vessel", fault="lose_for_ever", participant_timeout=2.0)
     status, _, err = loop.end("cable_sim")
@@ -280,6 +287,12 @@ resumed = until(lambda s: s.tick > stepped + 5).tick
 assert call(Trigger, "simulation/reset", Trigger.Request())
 again = until(lambda s: s.epoch == 2 and s.tick > 1)
 print(paused, still, stepped, resumed, again.epoch, again.tick)
+"""
+
+HEAR_TO_THE_END = """
+until(lambda s: s.state == TickStatus.ENDED)
+listen(0.5)
+print(*(command.sequence for command in commands))
 """
 
 PAUSE_AND_RESET = """

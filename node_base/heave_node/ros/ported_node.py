@@ -293,8 +293,10 @@ class PortedNode(LifecycleNode):
         self._ports.part.publish_uncounted(part.to_bytes() if self.exchange is None else part)
 
     def resend_outputs(self) -> None:
-        """Send again every message of this tick that was sent by itself."""
-        for output in self._ports.outputs:
+        """Send again what was sent by itself in this tick, where programs take part that have no parts: only they need
+        it, and whoever looks on hears each message once.
+        """
+        for output in self._ports.outputs if self.run.foreign else ():
             output.resend()
 
     def _advance(self) -> None:
