@@ -16,7 +16,7 @@ import rclpy
 from cable_sim_node.conversions import point_motion_message
 from heave_msgs.msg import TickStatus, WinchCommand, WinchState
 from heave_msgs.srv import InjectFault
-from heave_node.interface import topics
+from heave_node.interface import sensors, topics
 from heave_node.numerics.kinematics import PointMotion
 from heave_node.parameters import parameter
 from heave_node.ros.participant import ParticipantNode
@@ -31,8 +31,8 @@ HEARD = (
     topics.UNIT_UNCOMPENSATED,
     topics.UNIT_PRESSURE,
     topics.UNIT_VELOCITY,
-    topics.UNIT_IMU,
-    topics.UNIT_USBL,
+    sensors.IMU.topic,
+    sensors.USBL.topic,
     topics.LOAD_CELL,
     topics.MARKERS,
     topics.WINCH_STATE,

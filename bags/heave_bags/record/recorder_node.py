@@ -251,9 +251,7 @@ class RecorderNode(ParticipantNode):
                 elif standing is Standing.UNKNOWN:
                     self._before_roster.append(partial(take_lawful, data, identity))
                 else:
-                    self.strangers.refuse(topic, identity)
-                    if self.strangers.has_left(topic, speakers):
-                        speakers.release()
+                    self.strangers.refuse_speaker(topic, identity, speakers)
 
             return take_lawful
 

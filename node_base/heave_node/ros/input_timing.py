@@ -40,12 +40,11 @@ class InputTiming:
     def diagnose(self) -> list[Health]:
         """Return both as diagnostic statuses."""
         return [
-            timing_health(f"interval {self.topic}", self.intervals.to_values()),
-            timing_health(f"age {self.topic}", self.ages.to_values()),
+            timing_health(f"interval {self.topic}", self.intervals),
+            timing_health(f"age {self.topic}", self.ages),
         ]
 
 
-def timing_health(name: str, values: dict[str, str]) -> Health:
-    """Return durations as a diagnostic status: `name` says which, `values` are those of `Durations.to_values`."""
-    words = f"p50 {values['p50_ms']} ms, p99 {values['p99_ms']} ms, largest {values['max_ms']} ms"
-    return Health(f"{TIMING} {name}", Level.OK, words, values)
+def timing_health(name: str, durations: Durations, **more: str) -> Health:
+    """Return `durations` as a diagnostic status: `name` says which, `more` are further values."""
+    return Health(f"{TIMING} {name}", Level.OK, durations.words(), {**durations.to_values(), **more})

@@ -276,8 +276,8 @@ class ClockMasterNode(HeaveNode):
             return []
         reported = self._host_clocks.words(self._on_other_hosts())
         clocks = [Health("clocks of other hosts", Level.OK, reported)] if reported else []
-        values = {**self.timing.ages.to_values(), "missed_deadlines": str(self.timing.missed_deadlines)}
-        return [timing_health("loop age", values), *clocks, *super().diagnose_timing()]
+        ages = timing_health("loop age", self.timing.ages, missed_deadlines=str(self.timing.missed_deadlines))
+        return [ages, *clocks, *super().diagnose_timing()]
 
     # Ticks ---------------------------------------------------------------------------------------------------------
 
@@ -291,7 +291,7 @@ class ClockMasterNode(HeaveNode):
         self.tick, self._stepped = tick, False
         self.clock_of_run.tick_began(tick.start_nanoseconds, time.monotonic_ns())
         self.timing.tick_began(number)
-        self.begin_outputs()
+        self.look_for_hearers()
         self._clock_output.publish(_CLOCK.pack(tick.start_nanoseconds))
         self.fail_on_error(lambda: self._publish_readings(tick))
         if not self.failure:
@@ -465,7 +465,7 @@ class ClockMasterNode(HeaveNode):
         """Ask all to answer when they have every message of the run: a publisher must not end before."""
         self.tick = Tick(self.tick_number + 1, self.epoch, self.run.tick_nanoseconds)
         self._stepped = False
-        self.begin_outputs()
+        self.look_for_hearers()
         self.timing.wait_began()
         self._patience = Patience()
         self._send_start(self.tick, flush=True)
@@ -523,7 +523,7 @@ class ClockMasterNode(HeaveNode):
         """Send an unanswered tick again, and name the nodes that have not answered."""
         if (self.run.is_lockstep or self._is_flushing) and self._waits.is_resend_due():
             self.timing.resends += 1
-            self.resend_outputs()
+            self.send_again_alone(self._lead)
             self._publish_roster()
             self._send_lead()
         behind = self.roster.unanswered(self.tick_number, flush=self._is_flushing)
@@ -560,7 +560,7 @@ class ClockMasterNode(HeaveNode):
 
     def _publish_status(self) -> None:
         is_over = self.run_state in (TickStatus.ENDED, TickStatus.FAILED)
-        age = self.timing.loop_age(last=None if is_over else RECENT_TICKS)
+        p50, p99, largest = self.timing.loop_age(last=None if is_over else RECENT_TICKS)
         time_now = self.tick.time if self.tick is not None else 0.0
         factor = self.timing.overall_factor if is_over else self.timing.real_time_factor
         totals = self.roster.published_by_topic() if is_over else {}
@@ -572,9 +572,9 @@ class ClockMasterNode(HeaveNode):
                 tick=self.tick_number,
                 simulated_time=time_now,
                 real_time_factor=factor(time_now),
-                loop_age_p50=age.p50,
-                loop_age_p99=age.p99,
-                loop_age_max=age.max,
+                loop_age_p50=p50,
+                loop_age_p99=p99,
+                loop_age_max=largest,
                 missed_deadlines=self.timing.missed_deadlines,
                 resends=self.timing.resends,
                 topics=list(totals),

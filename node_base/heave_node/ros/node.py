@@ -48,6 +48,7 @@ class HeaveNode(PortedNode):
 
     Attributes
     ----------
+    has_joined : it is configured, or was about to be: it has its part of the tick protocol
     is_active : it takes part in ticks
     failure : why the node ended, "" while nothing went wrong; `failed_at` when [s of monotonic wall time]
     was_ended : a signal or a transition, not an error, ended it
@@ -63,7 +64,7 @@ class HeaveNode(PortedNode):
     def _begin_unconfigured(self) -> None:
         super()._begin_unconfigured()
         self.failure, self.failed_at = "", 0.0
-        self.is_active = self.was_ended = False
+        self.has_joined = self.is_active = self.was_ended = False
         self.work = Durations()
         self._asked: dict[str, str] = {}
 
@@ -105,7 +106,7 @@ class HeaveNode(PortedNode):
         try:
             self._diagnostics = self.add_output(topics.DIAGNOSTICS)
             self.join_protocol()
-            self._ports.has_joined = True
+            self.has_joined = True
             self.on_build()
             self._refuse_unused_overrides()
             # The first line of a log looks for its caller among all modules, which takes up to a second: not in a tick.
@@ -166,11 +167,6 @@ class HeaveNode(PortedNode):
             self.exchange.leave(self._ports.local)
         self._destroy(self._entities() - self._ports.before)
         self._begin_unconfigured()
-
-    @property
-    def has_joined(self) -> bool:
-        """Whether it is configured, or was about to be: it has its part of the tick protocol."""
-        return self._ports.has_joined
 
     @property
     def next_tick(self) -> int:
@@ -260,7 +256,7 @@ class HeaveNode(PortedNode):
 
     def diagnose_timing(self) -> list[Health]:
         """Return this node's own time and how the messages of external nodes arrive, in wall time; not in lockstep."""
-        own = [timing_health("work in a tick", self.work.to_values())] if len(self.work) else []
+        own = [timing_health("work in a tick", self.work)] if len(self.work) else []
         return [*own, *(part for timing in self._ports.timings.values() for part in timing.diagnose())]
 
     def diagnose_inputs(self) -> list[Health]:

@@ -223,7 +223,7 @@ class ParticipantNode(HeaveNode):
             self.epoch = start.epoch
         self.tick = Tick(start.tick, start.epoch, self.run.tick_nanoseconds)
         self.gate.begin(start.epoch, start.tick, start.published)
-        self.begin_outputs()
+        self.look_for_hearers()
         if not self.run.is_lockstep:
             self._deadline.reset()
         if start.flush:
@@ -305,7 +305,7 @@ class ParticipantNode(HeaveNode):
         return tick % max(1, self.lag // 2) == 0
 
     def before_answer(self) -> None:
-        """Make what was done so far last: an answer, the first one or one asked for again, vouches for it."""
+        """Make what was done so far last: an answer vouches for it."""
 
     def _answer(self, start: Part, *, is_due: bool) -> None:
         """Send this node's part of the tick that began with `start`; one that `is_due` says that the tick is done."""
@@ -328,10 +328,13 @@ class ParticipantNode(HeaveNode):
         if self._starts or self._done_with is None:
             self.publish_join(self.gate.missing())
             return
-        self.resend_outputs()
         if self._sent is not None:
+            self.send_again_alone(self._sent)
             self.send_part(self._sent)
-        self._answer(self._done_with, is_due=True)
+        if self._answered is not self._done_with:
+            self._answer(self._done_with, is_due=True)
+        elif self._sent is not None and self._done.is_heard:
+            self._done.publish_uncounted(self._sent.to_done())
 
     def _on_status(self, message: TickStatus, identity: str) -> None:
         if self.has_started:

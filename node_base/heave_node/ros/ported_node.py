@@ -35,7 +35,6 @@ from heave_node.ros.transport.qos import (
     unused_overrides,
 )
 from heave_node.ros.transport.strangers import Strangers
-from heave_node.run_parameters import RunParameters
 from heave_node.tick.external_clock import ExternalClock
 from heave_node.tick.gate import Inbox, TickGate
 from heave_node.tick.malformed import ProtocolError
@@ -44,7 +43,7 @@ from heave_node.tick.simulated_clock import SimulatedClock
 from heave_node.tick.tick import Tick
 
 LOOK_EVERY = 10
-"""Ticks between two looks who hears the topics of a node by themselves."""
+"""Ticks between two looks who hears the topics of a node by themselves: what nobody hears is not sent."""
 
 
 @dataclass
@@ -87,8 +86,6 @@ class PortedNode(LifecycleNode):
 
     def __init__(self) -> None:
         super().__init__(self.name, automatically_declare_parameters_from_overrides=True)
-        self.run: RunParameters
-        self.parameters: Any
         self.run, self.parameters = read_parameters(self, self.parameters_type)
         self.identity = own_identity(self)
         self._begin_unconfigured()
@@ -199,9 +196,7 @@ class PortedNode(LifecycleNode):
         name = self.resolve_topic_name(topic.name)
 
         def refuse(identity: str, _: bytes) -> None:
-            self.strangers.refuse(name, identity)
-            if self.strangers.has_left(name, inbox.speakers):
-                inbox.speakers.release()
+            self.strangers.refuse_speaker(name, identity, inbox.speakers)
 
         is_external = self.run.is_external(topic)
         inbox = self.gate.add_inbox(
@@ -234,17 +229,11 @@ class PortedNode(LifecycleNode):
             self._ports.timings[port.name].used()
         return port.take(self.tick)
 
-    def begin_outputs(self) -> None:
-        """Discard on every output the messages of the previous tick; look now and then who hears them."""
-        if self.tick is not None and self.tick.number % LOOK_EVERY == 0:
-            self.look_for_hearers()
-        for output in self._ports.outputs:
-            output.begin_tick()
-
     def look_for_hearers(self) -> None:
-        """Look who hears the topics of this node by themselves: what nobody hears is not sent."""
-        for output in (*self._ports.outputs, *self._ports.apart):
-            output.look()
+        """Look who hears the topics of this node by themselves, before tick 1 and every LOOK_EVERY ticks."""
+        if self.tick is None or self.tick.number % LOOK_EVERY == 0:
+            for output in (*self._ports.outputs, *self._ports.apart):
+                output.look()
 
     def published_counts(self) -> list[int]:
         """Return the number of messages published so far on each output."""
@@ -266,8 +255,12 @@ class PortedNode(LifecycleNode):
 
     def subscribe_to_parts(self, topic: Topic, callback: Callable[[Part, str], None]) -> None:
         """Subscribe to a `topic` of parts; the start of the run waits for its publisher. `callback` gets each one."""
+
+        def read(data: bytes | Part) -> Part:
+            return data if isinstance(data, Part) else Part.of(data)  # within a process it comes as it is
+
         name = self.resolve_topic_name(topic.name)
-        self._ports.subscriptions[name] = self.create_protocol_subscription(topic, callback, _part_of)
+        self._ports.subscriptions[name] = self.create_protocol_subscription(topic, callback, read)
 
     def on_part(self, node: str, part: Part, identity: str, *, is_whole: bool = True) -> None:
         """Take in what a `node`, as the process of an `identity`, says of its `part` of a tick.
@@ -292,12 +285,14 @@ class PortedNode(LifecycleNode):
         """Send a `part`, also again: whoever has it knows it by its number."""
         self._ports.part.publish_uncounted(part.to_bytes() if self.exchange is None else part)
 
-    def resend_outputs(self) -> None:
-        """Send again what was sent by itself in this tick, where programs take part that have no parts: only they need
-        it, and whoever looks on hears each message once.
+    def send_again_alone(self, part: Part) -> None:
+        """Send the messages of a `part` again by themselves, where programs take part that have no parts.
+
+        Only they need it: whoever else hears a topic from outside hears each message once.
         """
-        for output in self._ports.outputs if self.run.foreign else ():
-            output.resend()
+        for number, data in part.messages if self.run.foreign else ():
+            if self._ports.outputs[number].is_heard:
+                self._ports.outputs[number].publish_uncounted(data)
 
     def _advance(self) -> None:
         """Do the tick's work if everything of the tick is here; called after each message."""
@@ -393,8 +388,3 @@ class PortedNode(LifecycleNode):
             any(destroy(entity) for destroy in ways)
         for entity in set(entities) & set(self.waitables):
             entity.destroy()
-
-
-def _part_of(data: bytes | Part) -> Part:
-    """Return the part that a message is; within a process it comes as it is."""
-    return data if isinstance(data, Part) else Part.of(data)

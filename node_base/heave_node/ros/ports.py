@@ -54,7 +54,6 @@ class Output:
         self._is_lasting = self.is_heard = is_lasting
         self._carry = carry
         self.published = 0
-        self._sent_this_tick: list[bytes] = []
 
     @property
     def hearers(self) -> int:
@@ -73,23 +72,12 @@ class Output:
             data = message if isinstance(message, bytes) else serialize_message(message)
             self._carry(data)
             if self.is_heard:
-                self._sent_this_tick.append(data)
                 self._publisher.publish(data)
 
     def publish_uncounted(self, message: object) -> None:
         """Send a `message` that is part of no tick."""
         if self._publisher is not None:
             self._publisher.publish(message)
-
-    def begin_tick(self) -> None:
-        """Discard the messages of the previous tick."""
-        if self._sent_this_tick:
-            self._sent_this_tick.clear()
-
-    def resend(self) -> None:
-        """Send the messages of this tick that were heard again, uncounted: receivers know them by their bytes."""
-        for data in self._sent_this_tick:
-            self.publish_uncounted(data)
 
 
 Decoder = Callable[[bytes], tuple[int | None, Any]]
@@ -236,7 +224,6 @@ class Ports:
     join: Publisher[Any] | LocalPublisher = field(init=False)  # on which it reports itself to the clock master
     outputs: list[Output] = field(default_factory=list)  # in the order of their making; first that of the parts
     before: set[Any] = field(default_factory=set)  # what the node had of the middleware before it was configured
-    has_joined: bool = False  # it has its part of the tick protocol
     apart: list[Output] = field(default_factory=list)  # outputs that are no part of ticks
     carried: list[tuple[int, bytes]] = field(default_factory=list)  # messages of this tick that wait for the part
     inputs: list[Input] = field(default_factory=list)  # in the order in which they were added

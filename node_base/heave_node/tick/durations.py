@@ -40,13 +40,6 @@ class Durations:
         self._fine[_fine_class(value)] += 1
         self._classes[bisect_left(EDGES, value)] += 1
 
-    def clear(self) -> None:
-        """Start again."""
-        self._newest.clear()
-        self._count, self._largest = 0, 0.0
-        self._fine[:] = 0
-        self._classes = [0] * len(self._classes)
-
     def percentiles(self, last: int | None = None, more: tuple[float, ...] = ()) -> tuple[float, float, float]:
         """Return p50, p99 and the largest [s]; zeros without any.
 

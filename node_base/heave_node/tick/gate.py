@@ -63,7 +63,6 @@ class Inbox:
         self._on_stranger = on_stranger
         self._held: deque[tuple[bytes, str]] = deque(maxlen=_HELD)
         self.received = 0
-        self.duplicates = 0
         self._decode = decode
         self._waiting: deque[Any] = deque()
         self._recent: deque[bytes] = deque(maxlen=_REMEMBERED)
@@ -101,7 +100,6 @@ class Inbox:
                 self._on_stranger(identity, data)
             return False
         if data in self._recent and not is_external:
-            self.duplicates += 1
             return False
         self._recent.append(data)
         self.accept(data)

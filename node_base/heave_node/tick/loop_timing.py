@@ -4,18 +4,8 @@ from __future__ import annotations
 
 import time
 from collections import deque
-from dataclasses import dataclass
 
 from heave_node.tick.durations import Durations
-
-
-@dataclass(frozen=True)
-class LoopAge:
-    """Wall time from the start of a tick to its last answer."""
-
-    p50: float = 0.0  # median [s]
-    p99: float = 0.0  # 99th percentile [s]
-    max: float = 0.0  # largest [s]
 
 
 class LoopTiming:
@@ -62,14 +52,14 @@ class LoopTiming:
         """Wall time since the tick began [s]."""
         return time.monotonic() - self._began
 
-    def loop_age(self, last: int | None = None) -> LoopAge:
-        """Return the loop age over the `last` ticks; None takes all ticks so far.
+    def loop_age(self, last: int | None = None) -> tuple[float, float, float]:
+        """Return p50, p99 and the largest [s] of the loop age over the `last` ticks; None takes all ticks so far.
 
         A tick that is past its deadline and has no answer yet counts with the time that it has waited.
         """
         now = time.monotonic()
         waiting = tuple(now - began for _, began in list(self._open)[:-1])
-        return LoopAge(*self.ages.percentiles(last, waiting))
+        return self.ages.percentiles(last, waiting)
 
     def overall_factor(self, simulated_time: float) -> float:
         """Return `simulated_time` [s] over wall time since the run began."""

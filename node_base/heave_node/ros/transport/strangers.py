@@ -54,8 +54,7 @@ class Strangers:
         self._node = node
         self._own = own
         self._known: dict[tuple[str, str, str], Stranger] = {}
-        self._looked_at = 0.0
-        self._left_looked_at = 0.0
+        self._looked_at = self._left_looked_at = 0.0
         self._hosts: dict[str, str] = {}
         self.has_news = False
 
@@ -82,6 +81,18 @@ class Strangers:
         if is_unknown and stranger.refused < _MOST:  # its name may come a little later
             stranger.who = self._describe(topic, identity)
 
+    def refuse_speaker(self, topic: str, identity: str, speakers: Speakers) -> None:
+        """Note that the process of an `identity` is none of the `speakers` of a `topic`.
+
+        Where these have left an external topic, the next process keeps it; looked at twice a second.
+        """
+        self.refuse(topic, identity)
+        now = time.monotonic()
+        if speakers.is_external and now - self._left_looked_at >= _LOOK_AGAIN:
+            self._left_looked_at = now
+            if not self._present(topic) & (speakers.identities or frozenset()):
+                speakers.release()
+
     def look(self, speakers: Mapping[str, Speakers]) -> None:
         """Look at the publishers of topics, a few times per second of wall time; the first time at once.
 
@@ -105,14 +116,6 @@ class Strangers:
         for identity in sorted(present):
             if lawful.standing(identity) is Standing.STRANGER:
                 self._notice(topic, identity, "")
-
-    def has_left(self, topic: str, speakers: Speakers) -> bool:
-        """Return whether none of the `speakers` of an external `topic` is still present; checked twice a second."""
-        now = time.monotonic()
-        if not speakers.is_external or now - self._left_looked_at < _LOOK_AGAIN:
-            return False
-        self._left_looked_at = now
-        return not self._present(topic) & (speakers.identities or frozenset())
 
     def _present(self, topic: str) -> set[str]:
         return {identity_of_endpoint(info) for info in self._node.get_publishers_info_by_topic(topic)}
