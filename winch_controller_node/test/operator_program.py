@@ -53,6 +53,7 @@ def main() -> None:
     assert operator.move.wait_for_server(30.0)
     refused = operator.wait(operator.set_mode.call_async(SetMode.Request(mode="dance")))
     redesigned = operator.wait(operator.redesign.call_async(Redesign.Request(significant_wave_height=2.0)))
+    as_assumed = operator.wait(operator.redesign.call_async(Redesign.Request()))
     base = float(sys.argv[1])
     handle = operator.start_move(base + 1.0, 0.3)
     moved = operator.wait(handle.get_result_async()).result
@@ -69,6 +70,7 @@ def main() -> None:
                 "refused": [refused.success, refused.message],
                 "redesigned": [redesigned.success, redesigned.message, redesigned.predicted_unit_sigma],
                 "moved": [moved.success, moved.message, moved.depth],
+                "as_assumed": [as_assumed.success, as_assumed.message],
                 "feedback": [[f.depth, f.rate, f.time_to_go] for f in operator.feedback],
                 "arrived": [arrived.depth, arrived.rate, arrived.time_to_go],
                 "too_deep": [too_deep.success, too_deep.message],

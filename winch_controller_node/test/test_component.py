@@ -458,6 +458,19 @@ def test_redesign_for_another_sea_goes_on_without_a_step():
     assert after.report.mode == "compensating"
 
 
+def test_redesign_for_what_is_assumed_already_goes_on_without_a_step():
+    """The operator's service with zeros, "as assumed", and an adviser that finds nominal values ask for just that."""
+    loop = ClosedLoop(loop_parameters(duration=60.0))
+    for _ in range(500):
+        before, _ = loop.step()
+    loop.controller.redesign(loop.controller.parameters)
+    for _ in range(20):
+        after, _ = loop.step()
+        assert abs(after.order.payout_rate - before.order.payout_rate) < 0.2
+        before = after
+    assert after.report.mode == "compensating"
+
+
 def test_a_winch_other_than_believed_is_found_out_and_driven_to_its_limits_as_if_it_were_known():
     """Servo half as slow, 0.04 s more delay, in a sea that takes the winch to its acceleration limit of 1.5 m/s^2."""
     parameters = loop_parameters(height=3.0, duration=90.0)

@@ -1,6 +1,7 @@
 """The house of the controller: what it needs of the other packages, and which wing may use which."""
 
 import ast
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -160,3 +161,20 @@ def test_nobody_writes_into_the_attributes_of_another():
     ]
     assert len(modules) > 30
     assert [write for path in modules for write in written_attributes(path)] == []
+
+
+def test_what_holds_arrays_is_compared_by_identity():
+    """The == of a data class comes to its arrays, whose truth is ambiguous: a ValueError, once all before are equal."""
+    compared = []
+    for path in PACKAGE.rglob("*.py"):
+        for node in ast.walk(ast.parse(path.read_text())):
+            if not isinstance(node, ast.ClassDef):
+                continue
+            decorators = [ast.unparse(one) for one in node.decorator_list]
+            holds = any(
+                isinstance(one, ast.AnnAssign) and re.search(r"\bArray\b", ast.unparse(one.annotation))
+                for one in node.body
+            )
+            if holds and any(one.startswith("dataclass") and "eq=False" not in one for one in decorators):
+                compared.append(f"{path.relative_to(PACKAGE)} {node.name}")
+    assert not compared

@@ -46,6 +46,7 @@ def test_an_operator_changes_modes_redesigns_moves_and_stops(tmp_path):
     assert "'dance' cannot be requested" in answers["refused"][1]
     assert answers["redesigned"][0] is True
     assert 0.0 < answers["redesigned"][2] < 0.1
+    assert answers["as_assumed"][0] is True
     assert answers["moved"][:2] == [True, "arrived"]
     assert answers["moved"][2] == pytest.approx(304.0, abs=0.05)
     assert len(answers["feedback"]) > 10

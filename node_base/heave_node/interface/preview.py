@@ -9,7 +9,7 @@ from heave_node.numerics.arrays import Array
 _CLOSE = 1e-6  # s: times that differ by less are the same
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class HeavePreview:
     """Boom-tip heave ahead of a time, as in heave_msgs/HeavePreview."""
 

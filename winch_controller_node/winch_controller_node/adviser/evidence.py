@@ -41,7 +41,7 @@ class Fitted(NamedTuple):
     misfits: Array
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Evidence:
     """The innovations of a pass as quadratic forms in the weights of its columns.
 

@@ -21,7 +21,7 @@ STOPPED = 30.0
 """Exponent of drag that leaves nothing of a speed."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class PassModel:
     """A sampled model as a pass needs it.
 
@@ -44,7 +44,7 @@ class PassModel:
     state_names: tuple[str, ...]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class PassInput:
     """A record in columns.
 
@@ -78,7 +78,7 @@ class PassInput:
         )
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class PassResult:
     """What a pass leaves.
 

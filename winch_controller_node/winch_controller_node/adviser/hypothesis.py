@@ -125,7 +125,7 @@ class Change(NamedTuple):
     since: int
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Hypothesis:
     """What is held, and how well it explains the record.
 

@@ -69,7 +69,7 @@ class Record:
         return Excerpt(kept[0].first, ticks, kept[0].rows, readings[order], self._dt)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Excerpt:
     """A record without a break.
 

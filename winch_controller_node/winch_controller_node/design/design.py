@@ -50,7 +50,7 @@ LONGEST_DELAY = 5.0
 """Command delay [s] above which a design is refused: no boom-tip prediction reaches that far (17 % error at 2 s)."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class ControllerDesign:
     """Everything a control law needs for one deployed length. All in SI, states by `model.state_names`.
 

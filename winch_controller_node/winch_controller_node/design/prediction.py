@@ -78,7 +78,7 @@ def sensor_periods(design: ControllerDesign) -> dict[str, tuple[int, int]]:
     }
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class FilterModel:
     """The model with past values of late measurements as states, and the rows measured at each tick of the pattern."""
 
@@ -179,7 +179,7 @@ def _with_past(A: Array, Q: Array, row: Array, age: int) -> tuple[Array, Array, 
     return longer, np.pad(Q, ((0, age), (0, age))), oldest
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class EquivalentFilter:
     """A stationary Kalman filter at the tick: x = A x + B u, then x += K (y - H x).
 

@@ -87,7 +87,7 @@ class TradeOff:
     gain_norm: float
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class DesignReport:
     """All that `heave design` says.
 

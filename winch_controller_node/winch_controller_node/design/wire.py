@@ -46,7 +46,7 @@ class WireError(ValueError):
     """A design that cannot be made of what came; one line that names the part that is wrong."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class DesignParts:
     """A design in parts.
 

@@ -42,7 +42,7 @@ READING_COLUMNS = (
 """Columns of the table of readings."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Observations:
     """A batch of ticks.
 

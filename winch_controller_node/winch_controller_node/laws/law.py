@@ -22,7 +22,7 @@ from winch_controller_node.laws.parts.winch_limits import WinchLimits
 from winch_controller_node.parameters.model import WeightParameters, WinchModelParameters
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class LawDesign:
     """What a law is made for.
 

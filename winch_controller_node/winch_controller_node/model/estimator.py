@@ -29,7 +29,7 @@ NO_WEIGHTS = (-1.0, 0.0, -1.0, 0.0)
 """Columns of the further weights of a reading that has none."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class MeasurementModel:
     """One scalar measurement of the state: value = (1 + scale) row x + noise.
 

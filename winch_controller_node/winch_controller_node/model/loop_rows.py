@@ -10,7 +10,7 @@ from heave_node.numerics.linear_model import LinearModel
 from numpy.typing import NDArray
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class LoopRows:
     """Rows and indices of a model.
 

@@ -18,7 +18,7 @@ class DesignError(ValueError):
     """A controller that cannot be designed; the message says why and what to change."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class QuadraticCost:
     """Time average of x' Q x + 2 x' N u + u' R u (thesis Eq. 6.29 as an average: its integral is infinite under noise).
 

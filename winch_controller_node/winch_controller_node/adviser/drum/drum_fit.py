@@ -36,7 +36,7 @@ SHARES_OF_STEP = (1.0, 0.5, 0.25, 0.1, 0.03)
 """Shares of a Gauss-Newton step of which the best is taken."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class DrumPrior:
     """What is known of a drum before it has moved: fields of `Drum` and the factor, shape (FIELDS + 1,) each.
 
@@ -51,7 +51,7 @@ class DrumPrior:
     highest: Array
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class DrumFit:
     """A drum.
 

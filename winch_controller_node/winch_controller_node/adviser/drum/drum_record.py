@@ -18,7 +18,7 @@ FACTOR, START_PAYOUT, START_RATE = FIELDS, FIELDS + 1, FIELDS + 2
 """Places in a vector theta: the fields of `Drum`, the encoder's factor, payout and rate at the start of the record."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class DrumRecord:
     """A record.
 

@@ -26,7 +26,7 @@ SEEN_SIGMA = 0.05
 """Standard deviation of payout [m], heave [m] and rates [m/s] of drum and unit, seen by the depth sensor for a wave."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Handover:
     """How the loop goes on.
 

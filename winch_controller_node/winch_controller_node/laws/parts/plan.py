@@ -74,7 +74,7 @@ def hat_functions(knots: list[int], ticks: int) -> Array:
     return np.column_stack([np.interp(time, knots, np.eye(len(knots))[j]) for j in range(len(knots))])
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class _Rows:
     """Rows of one kind of constraint: which rows, and when [s from now]."""
 
