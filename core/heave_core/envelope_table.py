@@ -49,6 +49,7 @@ class Cause(IntEnum):
     FADE_LONG = 6
     UNSEEN = 7
     HARM = 8
+    DRIFT = 9
 
 
 class MoveKind(IntEnum):
@@ -231,6 +232,20 @@ HELD_DRUM = structure(
     Row("moved", "m", "since it came to rest"),
 )
 
+DRIFT = structure(
+    "Drift",
+    "The count beside what was sent while the winch follows the sea, and what the depth sensor says of it.",
+    Row("time", "s", "for which it has followed"),
+    Row("off", "m", "count less nominal drum, forgotten as travel is"),
+    Row("way", "m", "of the count, forgotten likewise"),
+    Row("heave", "m", "of the nominal unit, whose payout is the count"),
+    Row("heave_rate", "m/s", "of the nominal unit"),
+    Row("level", "m", "depth and that heave together, as it began; NaN: none yet"),
+    Row("shown", "m", "the same now, smoothed"),
+    Row("seen", "m", "`off` at the last reading of the depth sensor, smoothed likewise"),
+    Row("age", "s", "since that reading"),
+)
+
 BIN = structure(
     "Bin",
     "Boom-tip motion within one part of the window.",
@@ -292,6 +307,7 @@ STATE = structure(
     Row("held_tension", "N", "tension that was last asked for"),
     Row("residual", "m", "count less nominal drum of late"),
     Row("drum_travel", "m", "travel of the nominal drum of late"),
+    Row("drift", "", "of the count from what was sent", DRIFT),
     Row("last_speed", "m/s", "speed of the last order sent"),
     Row("load", "N", "last reading of the load cell, jumps taken off; NaN: none yet"),
     Row("load_jump", "N", "taken off the load"),
@@ -332,6 +348,7 @@ READINGS = structure(
     Row("count", "m", "raw count of the drum; NaN: none came"),
     Row("drive", "", "DriveState: what the winch reports of itself"),
     Row("load", "N", "raw load cell; NaN: none came"),
+    Row("depth", "m", "raw depth sensor, positive down; NaN: none came"),
     Row("lift_rate", "m/s", "rate with which a crane lifts the boom tip, by geometry"),
     Row("duty", "", "Duty: what the controller is there for"),
     Row("held_tension", "N", "tension that was asked for; NaN: none"),
@@ -383,6 +400,7 @@ STRUCTURES = (
     STROKE,
     BEYOND,
     HELD_DRUM,
+    DRIFT,
     MOVE,
     BIN,
     SPREAD,

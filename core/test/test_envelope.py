@@ -100,6 +100,7 @@ QUIET = {
     "mru_rate": math.nan,
     "count": math.nan,
     "load": math.nan,
+    "depth": math.nan,
     "held_tension": math.nan,
     "target": math.nan,
     "reference": math.nan,
@@ -804,3 +805,55 @@ def test_an_order_that_stays_near_its_bounds_is_taken_over_as_the_drum_fails_to_
         order = rig.step(min(max(wild, last.lowest), last.highest))
     assert (order.cause == Cause.NOTHING) == follows
     assert order.cause in (Cause.NOTHING, Cause.RATE, Cause.TRAVEL)
+
+
+def drifting(rate, *, creeps, sees_depth, time=40.0):
+    """Follow with a drum or its count at a `rate` of its own; return the rig and the time at which it is taken over.
+
+    The unit hangs still on a stiff cable: its depth is the true payout less the heave, which the drum takes out.
+    """
+    rig = Rig(cable={"inertia": 1e-4}).settled()
+    for tick in range(round(time / DT)):
+        # a loop about the position goes by the count
+        count = rig.payout + rate * tick * DT
+        depth = 300.0 + (count if creeps else rig.payout) - rig.tip[0]
+        ordered = rig.tip[1] + 0.5 * (rig.tip[0] - count)
+        order = rig.step(ordered, count=count, depth=depth if sees_depth else math.nan)
+        if order.cause != Cause.NOTHING:
+            assert (order.cause, order.phase) == (Cause.DRIFT, Phase.TAKEN)
+            return rig, tick * DT
+    return rig, math.inf
+
+
+@pytest.mark.parametrize("rate", [0.03, -0.05])
+@pytest.mark.parametrize("sees_depth", [True, False])
+def test_a_count_that_drifts_ends_in_a_takeover_before_the_load_has_gone_far(rate, sees_depth):
+    rig, time = drifting(rate, creeps=False, sees_depth=sees_depth)
+    assert time < math.inf
+    # the margin on travel, and the second for which the depth is smoothed; without it, up to two waves more
+    assert abs(rate) * time < BOUNDS["travel_margin"] + abs(rate) * (2.0 if sees_depth else 2.0 * PERIOD) + 0.15
+    assert abs(rig.envelope.state["drift"]["off"][0]) >= BOUNDS["travel_margin"]
+
+
+@pytest.mark.parametrize("rate", [0.03, -0.03])
+def test_a_drum_that_creeps_under_a_count_that_the_depth_sensor_confirms_goes_on(rate):
+    _, time = drifting(rate, creeps=True, sees_depth=True, time=120.0)
+    assert time == math.inf
+
+
+def test_a_drum_that_creeps_and_that_no_depth_sensor_confirms_is_taken_over():
+    _, time = drifting(0.05, creeps=True, sees_depth=False)
+    assert time < 20.0
+
+
+def test_a_drift_that_the_travel_forgets_is_none():
+    """At a rate r it stays at r T, with T = 60 s: 0.004 m/s reach 0.24 m of 0.3 m."""
+    rig, time = drifting(0.004, creeps=False, sees_depth=False, time=300.0)
+    assert time == math.inf
+    assert rig.envelope.state["drift"]["off"][0] == pytest.approx(0.24, abs=0.03)
+
+
+def test_a_drum_that_does_what_it_is_sent_does_not_drift():
+    rig, time = drifting(0.0, creeps=False, sees_depth=True, time=120.0)
+    assert time == math.inf
+    assert abs(rig.envelope.state["drift"]["off"][0]) < 0.1 * BOUNDS["travel_margin"]

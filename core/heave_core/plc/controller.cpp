@@ -268,11 +268,12 @@ ActSeen act_seen(const Memory &m, const HeaveWinch &winch) {
 // What the envelope sees: raw readings, and what an operator asks for.
 void read_raw(Memory &m, int count, const HeaveWinch &winch) {
     Readings &readings = m.readings;
-    readings.mru_heave = readings.mru_rate = readings.count = readings.load = NOT_KNOWN;
+    readings.mru_heave = readings.mru_rate = readings.count = readings.load = readings.depth = NOT_KNOWN;
     for (int i = 0; i < count; i++) {
         const Delivered &one = m.work.delivered[i];
         if (one.sensor == IMAGE.sense.mru && one.status == 0.0) readings.mru_heave = one.value, readings.mru_rate = one.rate;
         if (one.sensor == IMAGE.sense.load_cell) readings.load = one.value;
+        if (one.sensor == IMAGE.sense.depth) readings.depth = one.value;
     }
     readings.drive = DRIVE_FREE;
     if (winch.is_new) {

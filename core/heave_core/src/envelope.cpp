@@ -131,6 +131,14 @@ void watch_duty(const Design &design, State &state, const Readings &readings, do
     else if (state.harm_time >= bounds.harm_time) enter(state, TAKEN, HARM, harm, 1.0);
 }
 
+// A count that goes its own way for good: the load goes the other one, unless the depth sensor says that it does not.
+void watch_drift(const Design &design, State &state, const Readings &readings) {
+    watch_depth(design, state, readings);
+    const double limit = drift_limit(design.envelope, state);
+    if (std::abs(state.drift.off) > limit) confirm_count(state);
+    if (std::abs(state.drift.off) > limit && state.phase == FREE) enter(state, TAKEN, DRIFT, state.drift.off, limit);
+}
+
 // Largest speed of a stop that is under way [m/s]: from the last order sent to rest.
 double ramp(const Design &design, State &state) {
     const double dt = design.tick_period, fastest = std::max(std::abs(state.last_speed), std::abs(state.drum.rate));
@@ -197,7 +205,7 @@ double bounded(const Design &design, State &state, const Limits &limits, const L
 double own_speed(const Design &design, const State &state, const Limits &limits, const Asked &asked, double move) {
     const Bounds &bounds = design.envelope;
     const double share = std::max(1.0 - state.phase_time / bounds.takeover_time, 0.0);
-    const bool has_mru = state.mru_age <= bounds.mru_time, is_wild = state.cause <= NOT_FINITE;
+    const bool has_mru = state.mru_age <= bounds.mru_time, is_wild = state.cause <= NOT_FINITE || state.cause == DRIFT;
     double about = 0.0;
     if (is_wild) about = has_mru ? state.rate : 0.0;
     else if (asked.is_finite && state.cause != UNSEEN) about = asked.speed - move;
@@ -215,7 +223,7 @@ double own_speed(const Design &design, const State &state, const Limits &limits,
 void begin_envelope(State &state) {
     state = State{};
     for (double *unknown : {&state.ramp, &state.read_heave, &state.read_rate, &state.count, &state.load,
-                            &state.held_tension, &state.mean_load, &state.measured.mean, &state.locked.mean})
+                            &state.held_tension, &state.drift.level, &state.mean_load, &state.measured.mean, &state.locked.mean})
         *unknown = NOT_KNOWN;
     state.mru_age = state.count_age = state.read_age = state.load_age = 1e9;
     state.move.request = -1.0;
@@ -243,6 +251,7 @@ void envelope(const Design &design, State &state, const Readings &readings, Orde
     watch_held_drum(design, state, readings, travelled.is_braked);
     watch_drum(design, state);
     watch_duty(design, state, readings, order.harm);
+    watch_drift(design, state, readings);
 
     const double move = state.move.rate + (std::abs(readings.lift_rate) <= bounds.largest_rate ? readings.lift_rate : 0.0);
     const bool by_payout = design.winch.is_first_order || design.winch.position_gain > 0.0;

@@ -52,6 +52,9 @@ struct Ship {
 };
 void observe_mru(const Design &design, State &state, const Readings &readings);
 Ship ship_of(const Design &design, const State &state);
+double drift_limit(const Bounds &bounds, const State &state);
+void watch_depth(const Design &design, State &state, const Readings &readings);
+void confirm_count(State &state);
 int observe_count(const Design &design, State &state, const Readings &readings, const Travelled &travelled);
 double load_step(const Design &design, State &state, const Readings &readings, const Ship &ship);
 double observe_load(const Design &design, State &state, const Readings &readings);

@@ -90,6 +90,65 @@ double swing_of(const Cable &cable, const State &state) {
 
 }  // namespace
 
+namespace {
+
+// The unit on the nominal cable, a z'' + b z' + z = `top`, for a tick by the trapezoidal rule; a goes with the length.
+void move_unit(const Design &design, double payout, double top, double &heave, double &heave_rate) {
+    const Cable &cable = design.cable;
+    const double dt = design.tick_period, a = cable.inertia * std::max(1.0 + payout / cable.length, 0.01);
+    const double b = std::max(cable.damping, cable.drag * std::abs(heave_rate));
+    const double h = 0.5 * dt / a, heavier = 1.0 + h * (b + 0.5 * dt), lighter = 1.0 - h * (b + 0.5 * dt);
+    const double rate = (lighter * heave_rate + 2.0 * h * (top - heave)) / heavier;
+    heave += 0.5 * dt * (heave_rate + rate);
+    heave_rate = rate;
+}
+
+}  // namespace
+
+// Whose the drift of the count is, the depth sensor can tell: it goes as the nominal unit does, whose payout is
+// the count, where the drum creeps and the count is right, and the other way than the drift where the count is not. Both are smoothed alike, and taken from where they were
+// as the winch began to follow, whatever was before.
+void watch_depth(const Design &design, State &state, const Readings &readings) {
+    const Bounds &bounds = design.envelope;
+    Drift &drift = state.drift;
+    const double dt = design.tick_period, left = 1.0 - dt / bounds.travel_time;
+    const bool follows = int(readings.duty) == FOLLOW && readings.brake == 0.0 && state.move.rate == 0.0 &&
+                         readings.lift_rate == 0.0 && state.phase == FREE;
+    drift.time = follows ? drift.time + dt : 0.0;
+    drift.off *= follows ? left : 0.0;
+    drift.way *= follows ? left : 0.0;
+    drift.seen *= follows ? left : 0.0;
+    drift.age += dt;
+    move_unit(design, state.position, state.heave - state.position, drift.heave, drift.heave_rate);
+    if (!std::isfinite(readings.depth)) return;
+    const double level = readings.depth + drift.heave;
+    if (!std::isfinite(drift.level)) drift.level = drift.shown = level;
+    const double share = -std::expm1(-drift.age / bounds.drum_time);
+    drift.shown += share * (level - drift.shown);
+    drift.seen += share * (drift.off - drift.seen);
+    if (follows) drift.level += (1.0 - left) * drift.age / dt * (drift.shown - drift.level);
+    else drift.level += -std::expm1(-drift.age / bounds.bound_window) * (drift.shown - drift.level);
+    drift.age = 0.0;
+}
+
+// What the depth sensor has seen of the drift is the drum's, if it has not gone along.
+void confirm_count(State &state) {
+    Drift &drift = state.drift;
+    if (!((drift.level - drift.shown) * drift.seen < 0.5 * drift.seen * drift.seen)) return;
+    drift.off -= drift.seen;
+    drift.way = drift.seen = 0.0;
+    drift.level = drift.shown;
+}
+
+// Drift that a drive may have: it may be late, and of another gain, as that of the last second may; one against which the
+// depth sensor has gone as far is the encoder's [m].
+double drift_limit(const Bounds &bounds, const State &state) {
+    const Drift &drift = state.drift;
+    const double against = std::copysign(1.0, drift.off) * (drift.level - drift.shown);
+    const double unlike = against > bounds.travel_margin ? 0.0 : bounds.drum_share * (state.drum_travel + std::abs(drift.way));
+    return bounds.travel_margin + unlike;
+}
+
 // The count beside the nominal drum. Returns bits.
 int observe_count(const Design &design, State &state, const Readings &readings, const Travelled &travelled) {
     const Bounds &bounds = design.envelope;
@@ -149,6 +208,8 @@ int observe_count(const Design &design, State &state, const Readings &readings, 
     const bool went_on = readings.drive == DRIVE_RESTS && time > bounds.count_time;
     const double expected = went_on ? step : is_held ? clip(step, std::min(sent, 0.0), std::max(sent, 0.0)) : sent;
     state.residual += step - expected;
+    state.drift.off += step - expected;
+    state.drift.way += step;
     state.drum_travel += std::abs(sent);
     state.count_age = 0.0;
     // a drive that creeps is ordered against it for good: what was sent drifts, the count does not
@@ -188,7 +249,7 @@ double load_step(const Design &design, State &state, const Readings &readings, c
 }
 
 // Spread of the load cell over the largest that is no harm; NaN: not judged. The nominal cable is a z'' + b z' + z = x_0
-// with the winch locked, by the trapezoidal rule; a goes with the length, k with one over it.
+// with the winch locked, k goes with one over the length.
 double observe_load(const Design &design, State &state, const Readings &readings) {
     const Bounds &bounds = design.envelope;
     const Cable &cable = design.cable;
@@ -199,13 +260,8 @@ double observe_load(const Design &design, State &state, const Readings &readings
         state.mean_load += std::min(dt / bounds.travel_time, 1.0) * (state.load - state.mean_load);
     }
     if (!(cable.static_tension > 0.0)) return NOT_KNOWN;
-    const double stretch = std::max(1.0 + state.position / cable.length, 0.01);
-    const double a = cable.inertia * stretch, k = cable.stiffness / stretch;
-    const double b = std::max(cable.damping, cable.drag * std::abs(state.unit_rate));
-    const double h = 0.5 * dt / a, heavier = 1.0 + h * (b + 0.5 * dt), lighter = 1.0 - h * (b + 0.5 * dt);
-    const double rate = (lighter * state.unit_rate + 2.0 * h * (state.heave - state.unit_heave)) / heavier;
-    state.unit_heave += 0.5 * dt * (state.unit_rate + rate);
-    state.unit_rate = rate;
+    const double stretch = std::max(1.0 + state.position / cable.length, 0.01), k = cable.stiffness / stretch;
+    move_unit(design, state.position, state.heave, state.unit_heave, state.unit_rate);
     const double weight = std::min(dt / bounds.harm_time, 1.0);
     if (has_load) follow(state.measured, state.load, weight);
     follow(state.locked, k * (state.heave - state.unit_heave), weight);

@@ -48,8 +48,15 @@ MOVES = {
 BOUND = Bit.AT_RATE | Bit.AT_TRAVEL | Bit.AT_STOP
 """Bits of an order that was bounded."""
 
-NOTHING_READ = (math.nan, math.nan, math.nan, 0.0, math.nan)
+NOTHING_READ = (math.nan, math.nan, math.nan, 0.0, math.nan, math.nan)
 """Readings of a tick in which nothing came."""
+
+OF_DRUM = {
+    Cause.DRUM: "DRUM_OFF_ORDER",
+    Cause.BRAKE_SLIPS: "DRUM_RUNS_BRAKED",
+    Cause.DRIFT: "DRUM_OR_ENCODER_DRIFTS",
+}
+"""Alarms of a drum that is elsewhere than it should be, by cause."""
 
 READ = len(NOTHING_READ)
 LIFT_RATE, DUTY, HELD_TENSION, REQUEST, ACKNOWLEDGED = (
@@ -250,7 +257,7 @@ class OrderEnvelope:
 
 def _readings(raw: Measurements) -> tuple[float, ...]:
     """Return what was read at a tick, the first rows of READINGS."""
-    heave = rate = count = load = math.nan
+    heave = rate = count = load = depth = math.nan
     for reading in raw.mru:
         if reading.status == MruStatus.OK:
             heave, rate = reading.heave, reading.heave_rate
@@ -263,14 +270,15 @@ def _readings(raw: Measurements) -> tuple[float, ...]:
             drive = LIMITED
     for cell in raw.of("load_cell"):
         load = cell.value
-    return heave, rate, count, drive, load
+    for sensor in raw.of("depth"):
+        depth = sensor.value
+    return heave, rate, count, drive, load, depth
 
 
 def _alarm(sent: EnvelopeOrder) -> Alarm:
     """Return the alarm of what the envelope took over for."""
     cause = Cause(int(sent.cause))
-    if cause in (Cause.DRUM, Cause.BRAKE_SLIPS):
-        code = "DRUM_OFF_ORDER" if cause is Cause.DRUM else "DRUM_RUNS_BRAKED"
+    if code := OF_DRUM.get(cause):
         return ALARMS.alarm(code, distance=sent.value, limit=sent.limit)
     if cause is Cause.RATE:
         return ALARMS.alarm("ORDER_TOO_FAST", speed=sent.value, limit=sent.limit)
