@@ -189,6 +189,7 @@ void prove_tick(Memory &m, int count, const HeaveWinch &winch) {
     seen.is_braked = m.sent[2];
     seen.waits = m.mode.mode == IN_STANDBY && m.mode.wants;
     seen.hangs = hangs(m.landing);
+    seen.has_mru = !(int(m.tick.lost_sensors) >> IMAGE.sense.mru & 1) && m.sense.excluded != IMAGE.sense.mru;
     seen.runs = m.is_taken_over && m.cause == BRAKE_SLIPS, seen.has_swung = m.is_taken_over && m.cause == HARM;
     prove(IMAGE.proofs, seen, m.work.delivered, count, m.proofs, m.work.proofs);
 }
