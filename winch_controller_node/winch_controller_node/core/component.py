@@ -212,6 +212,7 @@ class WinchController(ControllerEvents):
                 inhibition=transport.inhibition or self._encoder.inhibition,
                 is_reversed=self._encoder.is_unresolved,
                 proven=proven,
+                cell_jumped=self.envelope.cell_jumped,
             ),
         )
         self._alarms += [transport.alarm] if transport.alarm else []

@@ -313,7 +313,6 @@ class LoopEstimation:
             for one in (estimator, self.by_count):
                 if one is not None:
                     one.set_process_noise(self._sea.noise)
-        is_aside = observer.excluded == "mru"
         return LoopTick._make(
             (
                 number,  # a count, as messages need it
@@ -322,7 +321,7 @@ class LoopEstimation:
                 estimator.estimate,
                 self.motion.state,
                 core.said[: len(estimator.measurements)].copy(),
-                observer.lost() if lost or is_aside else NOTHING,
+                observer.lost() if lost or observer.is_aside else NOTHING,
                 tuple(map(tuple, core.depths[:depths].tolist())) if depths else (),
                 observed,
                 observer.inconsistency if disagrees else "",
