@@ -147,7 +147,7 @@ class SecondFilter:
         return self._estimator.process_noise
 
     def set_process_noise(self, covariance: Array) -> None:
-        """Take the noise of another sea, shape (n, n), as the active filter does."""
+        """Take the noise of another sea, as the active filter does: its `covariance`, shape (n, n)."""
         self._estimator.set_process_noise(covariance)
 
     @property
