@@ -173,7 +173,7 @@ class Supervised:
         for name, place in SENSOR.items():
             if name in self._sense.dtype.names:
                 self._sense[name] = place
-        self._sensed["excluded"] = -1
+        self._sensed["excluded"], self._excluded = -1, {}
         self._depths = np.zeros((8, 2))
         sense = self._sense.ctypes.data, self._sensed.ctypes.data
         sensed = Sensed(sense, self._tick.ctypes.data, lambda: self._depths.ctypes.data)
@@ -217,7 +217,7 @@ class Supervised:
         mean = TensionMean(float(row["tension_mean"]), float(row["tension_sigma"]), float(row["tension_time"]))
         words = SimpleNamespace(
             number=self.number,
-            lost=lost,
+            lost={**self._excluded, **lost},
             inconsistency="the depth is inconsistent" if row["disagree_time"] else "",
             is_sea_refuted=bool(row["is_sea_refuted"]),
             filtered_tension=float(row["filtered_tension"]),
@@ -225,6 +225,10 @@ class Supervised:
         )
         values = {"fault": 0, "speed": 0.0, "mean_payout": 0.0, "settled_swing": math.inf, **(winch or {})}
         return self.supervisor.decide(words, WinchSituation(**values))
+
+    def exclude(self, sensor):
+        """Exclude a `sensor`."""
+        self._sensed["excluded"], self._excluded = SENSOR[sensor], {sensor: "contradicts all others"}
 
     def run(self, seconds, **given):
         """Return the alarms of so many `seconds`."""

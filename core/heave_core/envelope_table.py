@@ -81,6 +81,7 @@ class Bit(IntFlag):
     COUNT_LOST = 16
     COUNT_JUMPED = 32
     LOAD_JUMPED = 64
+    LOAD_IS_OFF = 128
 
 
 WINCH = structure(
@@ -311,6 +312,7 @@ STATE = structure(
     Row("last_speed", "m/s", "speed of the last order sent"),
     Row("load", "N", "last reading of the load cell, jumps taken off; NaN: none yet"),
     Row("load_jump", "N", "taken off the load"),
+    Row("load_known", "N", "of that, what an operator knows of"),
     Row("taut_time", "s", "for which the cable has been taut"),
     Row("load_age", "s", "since that reading"),
     Row("mean_load", "N", "of the load cell, forgotten as travel is"),

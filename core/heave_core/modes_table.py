@@ -343,6 +343,7 @@ SUPERVISION_SEEN = structure(
     Row("is_reversed", "", "1: drum or encoder are reversed: the winch is brought to rest"),
     Row("envelope", "", "1: the envelope has taken over"),
     Row("is_proved", "", "1: the proofs let compensation begin"),
+    Row("cell_jumped", "", "1: the load cell is off by a jump that no operator knows of"),
 )
 
 SUPERVISED = structure(

@@ -145,6 +145,7 @@ PROOF_STATE = structure(
     Row("square", "N^2", "mean square of falls without a cause"),
     Row("seen", "s", "time over which that is known"),
     Row("slack", "s", "time for which the load cell says nothing"),
+    Row("had_mru", "", "has_mru of the last tick"),
     Row("drive_time", "s", "time of the last report of the drive, by its clock; NaN: none"),
     Row("drive_count", "m", "count in it"),
     Row("drive_rate", "m/s", "speed that it stated"),
@@ -169,6 +170,7 @@ PROOF_SEEN = structure(
     Row("is_braked", "", "1: the last order has the brake on, or there was none"),
     Row("waits", "", "1: compensation is to begin"),
     Row("hangs", "", "1: the unit hangs, as far as is known"),
+    Row("has_mru", "", "1: the MRU is neither lost nor excluded"),
     Row("runs", "", "1: the envelope has found by the count that the braked drum runs"),
     Row("has_swung", "", "1: the envelope has found that compensation swings the load higher"),
 )

@@ -39,19 +39,21 @@ class Drum:
         self.alarms = []
         self._noise, self._rng = noise, np.random.default_rng(1)
 
-    def tick(self, rate=0.0, *, count=True, brake=True, fault=0, falls=0.0, runs=False):
+    def tick(self, rate=0.0, *, count=True, brake=True, fault=0, falls=0.0, runs=False, has_mru=True, read=None):
         self.time += TICK
         self.way += rate * TICK
         self.tension += falls * TICK
-        read = round(self.way / RESOLUTION) * RESOLUTION if count else math.nan
-        winch = WinchReading(self.time, read, math.nan, brake, fault)
+        counted = round(self.way / RESOLUTION) * RESOLUTION if count else math.nan
+        winch = WinchReading(self.time, counted, math.nan, brake, fault)
         noise = self._noise * self._rng.normal()
         force = max(STATIC + STIFFNESS * self.heave, 0.0) + self.tension + noise
         raw = Measurements(
-            (MruReading(self.time, self.heave, math.nan),), {"load_cell": (ScalarReading(self.time, force),)}, winch
+            (MruReading(self.time, self.heave if read is None else read, math.nan),),
+            {"load_cell": (ScalarReading(self.time, force),)},
+            winch,
         )
         self.proofs.note(WinchOrder(0, 0.0, 0.0, brake))
-        driven = Driven(waits=False, hangs=True, taken_over="DRUM_RUNS_BRAKED" if runs else "")
+        driven = Driven(waits=False, hangs=True, taken_over="DRUM_RUNS_BRAKED" if runs else "", has_mru=has_mru)
         found = self.proofs.step(raw, driven).alarms
         self.alarms += [(self.time, self.way, alarm) for alarm in found]
         return [alarm.code for alarm in found]
@@ -97,6 +99,38 @@ def test_a_slip_that_the_count_does_not_show_is_told_by_the_load_cell(rate):
     assert alarm.code == "LOAD_FALLS_BRAKED"
     assert alarm.severity is Severity.CRITICAL
     assert time - begin < 0.3 + 0.05 / rate
+
+
+def test_the_load_falls_by_no_mru_that_is_refused_and_a_slip_is_told_without_it():
+    """A reversed one, set aside, made a load that falls of waves."""
+    drum = Drum()
+    drum.rest(FALL_WINDOW)
+    for _ in range(1200):
+        drum.heave = 0.1 * math.sin(0.7 * drum.time)
+        drum.tick(has_mru=False, read=10.0 * drum.heave)
+    assert drum.codes == []
+    for _ in range(20):
+        drum.tick(has_mru=False, falls=-STIFFNESS)
+    assert drum.codes == ["LOAD_FALLS_BRAKED"]
+
+
+def test_a_load_that_swings_after_a_stop_is_no_slip():
+    """By 0.8 m in 13 s: how it fell under the brake before says nothing of it."""
+    drum = Drum()
+    drum.rest(FALL_WINDOW)
+    drum.rest(10.0, brake=False)
+    for _ in range(1200):
+        drum.tick(falls=-STIFFNESS * 0.8 * 0.47 * math.sin(0.47 * drum.time))
+    assert drum.codes == []
+
+
+@pytest.mark.parametrize("count", [True, False])
+def test_a_drum_whose_count_shows_no_motion_is_not_said_to_have_moved(count):
+    drum = Drum()
+    drum.rest(FALL_WINDOW)
+    for _ in range(40):
+        drum.tick(count=count, falls=-0.5 * STIFFNESS)
+    assert drum.codes == ["LOAD_FALLS_BRAKED"]
 
 
 def test_waves_that_the_mru_shows_and_those_that_it_does_not_are_no_slip():
@@ -211,6 +245,24 @@ def test_a_drum_that_comes_to_rest_after_the_brake_was_ordered_is_told_of_nothin
     drum.stops = False
     drum.rest(5.0, fault=fault)
     assert "DRUM_RUNS_BRAKED" not in drum.codes
+
+
+@pytest.mark.parametrize("gain", [1.0, 2.0, 4.0])
+def test_a_drum_that_still_gains_speed_when_the_brake_is_ordered_does_not_run_on_it(gain):
+    """What was ordered before the brake acts for the delay of the winch."""
+    drum, rate = Braked(), 0.0
+    drum.rest(2.0)
+    while not drum.codes:
+        rate += gain * TICK
+        drum.tick(rate, order=0.1)
+    for _ in range(3):
+        rate += gain * TICK
+        drum.tick(rate)
+    while rate:
+        rate = max(rate - 0.5 * TICK, 0.0)
+        drum.tick(rate)
+    drum.rest(5.0)
+    assert drum.codes == ["DRUM_OFF_ORDER"]
 
 
 def test_a_brake_that_stays_open_after_a_stop_is_told_within_a_third_of_a_second():

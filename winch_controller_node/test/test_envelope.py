@@ -17,7 +17,7 @@ from hypothesis import strategies as st
 from winch_controller_node.core.envelope import Asked, OrderEnvelope, _alarm, nominal_design
 from winch_controller_node.core.envelope_alone import EnvelopeAlone
 from winch_controller_node.core.supervision.modes import Mode
-from winch_controller_node.interface.readings import Measurements, WinchOrder, WinchReading
+from winch_controller_node.interface.readings import Measurements, ScalarReading, WinchOrder, WinchReading
 from winch_controller_node.laws.law import LawCommand
 from winch_controller_node.model.blocks import CableModel
 from winch_controller_node.motion.trajectory import MeanPayout
@@ -35,6 +35,27 @@ REQUEST = st.one_of(
     st.tuples(st.just("stop"), st.just(0.0), st.just(0.0)),
     st.tuples(st.just("stand"), st.just(0.0), st.just(0.0)),
 )
+
+
+def test_a_load_cell_that_has_jumped_is_off_until_it_jumps_back_or_an_operator_knows():
+    """By half of the static tension: no load does that between two readings."""
+    envelope, order = OrderEnvelope(NOMINAL, CABLE, TICK), WinchOrder(1, 0.0, 0.0, True)
+    move = MeanPayout(NOMINAL.move, tick_period=TICK).request
+
+    def read(share):
+        for tick in range(100):
+            load = ScalarReading(tick * TICK, share * CABLE.static_tension)
+            envelope.step(Measurements(scalar={"load_cell": (load,)}), Asked(Mode.STANDBY, move), order)
+        return envelope.cell_jumped
+
+    for _ in range(4):
+        assert not read(1.0)
+    assert read(1.5)
+    assert not read(1.0)
+    assert read(1.5)
+    envelope.acknowledge()
+    assert not read(1.5)
+    assert read(1.0)
 
 
 def ask(mean, request):

@@ -2,7 +2,12 @@
 
 import numpy as np
 import pytest
+from winch_controller_node.core.estimation.loop_estimation import LoopEstimation
 from winch_controller_node.core.estimation.second_filter import RowEvidence
+from winch_controller_node.core.estimation.sense_design import ROWS, second_design
+from winch_controller_node.design.design import carry_by_name, design_controller
+from winch_controller_node.node_parameters import WinchControllerParameters
+from winch_controller_node.parameters.model import SeaModelParameters
 
 DT = 0.05
 
@@ -38,3 +43,35 @@ def test_a_jump_to_another_belief_is_no_evidence_against_it():
 
 def test_evidence_is_forgotten_within_some_waves():
     assert abs(evidence([(5.0, 1.0)] * 20, *[[(1.0, 1.0)] * 20] * 60)) < 0.1
+
+
+def test_the_boom_tip_is_no_witness_of_where_the_drum_is():
+    """It heaves with the ship: with the drum locked its heave named a sound drive."""
+    estimator = design_controller(WinchControllerParameters(), tick_period=DT).make_estimator()
+    compared = dict(zip(ROWS, second_design(estimator, by_count=True)["is_compared"], strict=False))
+    assert {name for name, is_compared in compared.items() if is_compared}.isdisjoint(
+        {"mru_heave", "mru_heave_rate", "payout"}
+    )
+    assert compared["unit_heave"]
+    assert second_design(estimator, by_count=False)["is_compared"][ROWS.index("mru_heave")]
+
+
+def test_another_sea_is_that_of_both_filters():
+    """The filter that goes by the count kept the sea of before, and the active one was judged by the difference."""
+    calm, rough = (
+        design_controller(
+            WinchControllerParameters(sea=SeaModelParameters(significant_wave_height=height)), tick_period=DT
+        )
+        for height in (1.0, 3.0)
+    )
+    estimation = LoopEstimation(calm)
+    estimation.estimator.step(0, 0.0, [])
+    estimation.compare_count(0)
+    noise = 2.0 * calm.make_estimator().process_noise
+    estimation.estimator.set_process_noise(noise)
+    estimation.compare_count(0)
+    np.testing.assert_array_equal(estimation.by_count.process_noise, noise)
+    estimation.carry(rough, carry_by_name(calm, rough))
+    assert estimation.by_count.design is rough
+    np.testing.assert_array_equal(estimation.by_count.process_noise, rough.make_estimator().process_noise)
+    assert estimation.by_count.nats == 0.0

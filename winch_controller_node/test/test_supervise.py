@@ -45,6 +45,18 @@ def test_a_fade_out_without_the_boom_tip_is_damped_by_the_depth_sensor_for_a_qua
     assert not [loop.step(**given).is_damped for _ in range(4)][-1]
 
 
+@pytest.mark.parametrize("how", ["jumped", "excluded"])
+def test_constant_tension_does_not_go_by_a_load_cell_that_is_known_to_be_wrong(how):
+    """One that read twice the tension paid out 6.2 m, after it had been said that constant tension is unreliable."""
+    loop = Supervised(mode=Mode.CONSTANT_TENSION)
+    assert loop.step().mode.mode is Mode.CONSTANT_TENSION
+    if how == "excluded":
+        loop.exclude("load_cell")
+    given = {"speed": 1.0, "cell_jumped": how == "jumped"}
+    decisions = [loop.step(winch=given) for _ in range(round((loop.design.parameters.modes.coast_time + 1.0) / DT))]
+    assert decisions[-1].mode.mode is not Mode.CONSTANT_TENSION
+
+
 @pytest.mark.parametrize(
     ("mode", "sensor", "ends"),
     [

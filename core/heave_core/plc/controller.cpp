@@ -189,6 +189,7 @@ void prove_tick(Memory &m, int count, const HeaveWinch &winch) {
     seen.is_braked = m.sent[2];
     seen.waits = m.mode.mode == IN_STANDBY && m.mode.wants;
     seen.hangs = hangs(m.landing);
+    seen.has_mru = !(int(m.tick.lost_sensors) >> IMAGE.sense.mru & 1) && m.sense.excluded != IMAGE.sense.mru;
     seen.runs = m.is_taken_over && m.cause == BRAKE_SLIPS, seen.has_swung = m.is_taken_over && m.cause == HARM;
     prove(IMAGE.proofs, seen, m.work.delivered, count, m.proofs, m.work.proofs);
 }
@@ -224,6 +225,7 @@ void decide(Memory &m) {
     seen.drum_error = IMAGE.identifies_winch ? m.winch_watch.error : 0.0;
     seen.is_certain = link.is_cut != 0 || link.overdue > IMAGE.largest_delay;
     seen.envelope = m.is_taken_over, seen.is_proved = !is_gate_closed(m.proofs);
+    seen.cell_jumped = (int(m.order.bits) & LOAD_IS_OFF) != 0;
     supervise(supervising(m, seen), m.work.depths);
     const int before = int(m.decided.before), mode = int(m.decided.mode);
     if (mode != before) change_mode(m, before, mode);
@@ -372,7 +374,8 @@ int heave_controller_request(void *memory, int mode) {
                           heave::ON_ASK_EMERGENCY_STOP};
     if (mode < 0 || mode > HEAVE_EMERGENCY_STOP || events[mode] < 0) return 0;
     heave::release_attempts({heave::IMAGE.guard, heave::IMAGE.attempts, m.guard, m.attempts});
-    if (m.order.phase == heave::HELD) m.is_acknowledged = true, m.is_taken_over = false;
+    m.is_acknowledged = true;
+    if (m.order.phase == heave::HELD) m.is_taken_over = false;
     heave::ask(m.proofs, false);
     m.mode.known_fault = int(m.situation.winch_fault);
     return heave::take_event(heave::IMAGE.modes, m.situation, events[mode], m.mode);

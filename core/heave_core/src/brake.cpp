@@ -12,6 +12,12 @@ void forget_fall(ProofState &state) {
     state.falls = 0;
 }
 
+// Another drum, or another load beside it: how the tension fell without a cause says nothing of it.
+void begin_anew(ProofState &state) {
+    forget_fall(state);
+    state.square = state.seen = 0.0;
+}
+
 double mean(const double *values, int count) {
     double sum = 0.0;
     for (int i = 0; i < count; i++) sum += values[i];
@@ -45,6 +51,7 @@ int follow(const ProofDesign &design, double rate, ProofState &state) {
     state.since += design.tick_period;
     if (!(before < design.held_time && design.held_time <= state.since)) return 0;
     state.moved = state.count - state.begin, state.moved_rate = rate;
+    if (state.is_falling && !(std::abs(state.moved) >= design.felt)) return 0;  // no count tells whether it is held
     return std::abs(rate) < design.standing_speed ? DRUM_IS_HELD : DRUM_IS_NOT_HELD;
 }
 
@@ -62,14 +69,16 @@ int watch_braked(const ProofDesign &design, const ProofSeen &seen, double tensio
     state.watched_time = is_braked ? state.watched_time + design.tick_period : 0.0;
     const double before = state.count;
     state.count = seen.has_winch != 0.0 ? seen.encoder : NOT_KNOWN;
+    if (!is_braked || seen.has_mru != state.had_mru) begin_anew(state);
+    state.had_mru = seen.has_mru;
     if (!is_braked) {
-        forget_fall(state);
         state.since = state.begin = NOT_KNOWN;
         return 0;
     }
     if (std::isnan(state.begin)) state.begin = state.count;
     if (seen.hangs == 0.0) forget_fall(state);
-    const double stretch = std::max(state.load.heave - state.load.unit, -design.static_tension / design.stiffness);
+    const double shown = seen.has_mru != 0.0 ? state.load.heave - state.load.unit : 0.0;
+    const double stretch = std::max(shown, -design.static_tension / design.stiffness);
     const bool is_plausible = std::abs(tension) <= design.largest_load * design.static_tension;
     const bool has_fallen = state.watched_time > design.settled && is_plausible && falls(design, tension, stretch, state);
     if (!std::isnan(state.since)) return follow(design, (state.count - before) / design.tick_period, state);

@@ -248,7 +248,8 @@ void watch_brake(const Design &design, State &state, const Readings &readings, b
     }
     const double step = readings.count - before, speed = std::abs(step) / dt;
     if (!count_came(bounds, readings) || !std::isfinite(step)) return;
-    if (held.time == 0.0) held.slowest = speed;
+    // what was sent before acts for the delay of the winch, and is read a tick or two later
+    if (held.time <= design.winch.delay + 2.0 * dt) held.slowest = speed;
     held.time += dt;
     const bool is_late = held.time > longest, is_faster = speed > held.slowest + 2.0 * bounds.rest_speed;
     if (speed < bounds.rest_speed || is_faster || is_late) held.rests = 1.0;

@@ -241,6 +241,9 @@ void envelope(const Design &design, State &state, const Readings &readings, Orde
     follow_allowance(design, state, readings);
     order.load_step = load_step(design, state, readings, ship);
     if (order.load_step != 0.0) order.bits += LOAD_JUMPED;
+    if (readings.acknowledged != 0.0) state.load_known = state.load_jump;
+    const double off = std::abs(state.load_jump - state.load_known);
+    if (off > bounds.load_step * design.cable.static_tension) order.bits += LOAD_IS_OFF;
     order.harm = observe_load(design, state, readings);
     if (readings.acknowledged != 0.0 && state.phase == HELD && state.drum.rate == 0.0) {
         state.phase = FREE, state.cause = NOTHING;

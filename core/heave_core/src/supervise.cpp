@@ -9,14 +9,16 @@ namespace {
 
 // Sensors that are lost, by what supervision asks of them.
 struct Lost {
-    int bits;  // by index; an excluded motion reference unit is: no other measures the boom tip
+    int bits;  // by index; an excluded motion reference unit or load cell is: no other measures what it does
     bool mru, encoder, depth, cell;
 };
 
 Lost lost_of(const Supervising &on) {
     const SenseDesign &sense = *on.sense;
     int bits = int(on.tick->lost_sensors);
-    if (on.sense_state->excluded == sense.mru) bits |= 1 << sense.mru;
+    const int excluded = on.sense_state->excluded;
+    if (excluded == sense.mru || excluded == sense.load_cell) bits |= 1 << excluded;
+    if (on.seen->cell_jumped != 0.0) bits |= 1 << sense.load_cell;
     const auto has = [bits](int sensor) { return (bits >> sensor & 1) != 0; };
     return {bits, has(sense.mru), has(sense.encoder), has(sense.depth), has(sense.load_cell)};
 }

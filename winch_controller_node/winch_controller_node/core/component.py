@@ -55,7 +55,7 @@ class WinchController(ControllerEvents):
             tick, measurements, self._command.shares, unit_stands=not self._supervisor.landing.hangs
         )
         self._alarms += loop.faults
-        decision = self._decide(loop, measurements, self._prove(measurements))
+        decision = self._decide(loop, measurements, self._prove(measurements, loop))
         if decision.mode.before is not None or decision.landing is not None:
             # the tick is reported by the reason for which it began
             decision = decision._replace(mode=decision.mode._replace(reason=self.modes.reason))
@@ -178,12 +178,13 @@ class WinchController(ControllerEvents):
             restated=self._beliefs.restated,
         )
 
-    def _prove(self, measurements: Measurements) -> Proven:
-        """Return what nominal values and the `measurements` of the tick prove."""
+    def _prove(self, measurements: Measurements, loop: LoopTick) -> Proven:
+        """Return what nominal values and the `measurements` of the tick prove, whose lost sensors `loop` has."""
         modes, reason = self.modes, self.envelope.reason
         waits = modes.mode is Mode.STANDBY and modes.wants_compensation
         latest = (self._next_tick - 1) * self._dt + self.parameters.health.stamp_tolerance
-        driven = Driven(waits, self._supervisor.landing.hangs, "" if reason is None else reason.code, latest)
+        hangs, taken_over = self._supervisor.landing.hangs, "" if reason is None else reason.code
+        driven = Driven(waits, hangs, taken_over, latest, has_mru="mru" not in loop.lost)
         proven = self.proofs.step(measurements, driven, self._estimation.core_tick.delivered)
         self._alarms += proven.alarms
         return proven
@@ -211,6 +212,7 @@ class WinchController(ControllerEvents):
                 inhibition=transport.inhibition or self._encoder.inhibition,
                 is_reversed=self._encoder.is_unresolved,
                 proven=proven,
+                cell_jumped=self.envelope.cell_jumped,
             ),
         )
         self._alarms += [transport.alarm] if transport.alarm else []

@@ -65,8 +65,8 @@ LIFT_RATE, DUTY, HELD_TENSION, REQUEST, ACKNOWLEDGED = (
 BITS, CAUSE, PHASE = (EnvelopeOrder._fields.index(name) for name in ("bits", "cause", "phase"))
 """Places of what was read and of what leaves in the core's rows."""
 
-LOAD_JUMPED = int(Bit.LOAD_JUMPED)
-"""Bit of a step that no load makes."""
+LOAD_JUMPED, LOAD_IS_OFF = int(Bit.LOAD_JUMPED), int(Bit.LOAD_IS_OFF)
+"""Bit of a step that no load makes, and of a load cell that is off by such steps."""
 
 OWN_ORDER = (float(Phase.TAKEN), float(Phase.RAMP))
 """Phases in which the envelope makes the order itself."""
@@ -190,14 +190,23 @@ class OrderEnvelope:
         return self._core.last
 
     @property
+    def cell_jumped(self) -> bool:
+        """Tell whether the load cell is off by a jump that no operator knows of."""
+        return int(self._core.order.item(BITS)) & LOAD_IS_OFF != 0
+
+    @property
     def moves_winch(self) -> bool:
         """Tell whether the envelope makes the order itself, and the drum is not at rest yet."""
         return self._core.order.item(PHASE) in OWN_ORDER
 
     def acknowledge(self) -> None:
-        """Release what is latched, once drum and order are at rest; an operator has asked for a mode."""
+        """Release what is latched, once drum and order are at rest; an operator has asked for a mode.
+
+        A load cell that has jumped is one that he knows of.
+        """
+        self._is_acknowledged = True
         if self._core.order.item(PHASE) == Phase.HELD:
-            self._is_acknowledged, self.reason = True, None
+            self.reason = None
 
     def distance_to(self, depth: float) -> float:
         """Return how much deeper than the newest raw reading of the depth sensor a `depth` is [m]; NaN without one."""

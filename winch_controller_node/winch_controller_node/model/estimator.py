@@ -243,6 +243,11 @@ class KalmanEstimator:
             is_gated=np.array([known.is_gated for known in measurements], dtype=np.bool_),
         )
 
+    @property
+    def process_noise(self) -> Array:
+        """Covariance of the process noise of a tick, shape (n, n)."""
+        return self._filter_model.Q
+
     def set_process_noise(self, covariance: Array) -> None:
         """Use another covariance of the process noise of a tick, shape (n, n), until the next model."""
         self._filter_model = self._filter_model._replace(Q=covariance)

@@ -142,6 +142,8 @@ class LoopEstimation:
         self.estimator.reset(estimate, covariance, streams)
         if tick is not None:
             self.estimator.step(tick, 0.0, [])
+        if self.by_count is not None:
+            self.by_count.carry(design, matrix, added)
         self.motion.carry(matrix)
         self.observer.reset_shares()
         self._refer_to(design)
@@ -167,6 +169,8 @@ class LoopEstimation:
             ]
         )
         if matrix is not None:
+            if self.by_count is not None:
+                self.by_count.carry(design, matrix)
             self.motion.carry(matrix)
             self.observer.reset_shares()
         self._restart_consistency()
@@ -306,8 +310,9 @@ class LoopEstimation:
         if self.by_count is not None:
             self.by_count.step(core, number, command.compensating)
         if news & News.SEA_CHANGED:
-            estimator.set_process_noise(self._sea.noise)
-        is_aside = observer.excluded == "mru"
+            for one in (estimator, self.by_count):
+                if one is not None:
+                    one.set_process_noise(self._sea.noise)
         return LoopTick._make(
             (
                 number,  # a count, as messages need it
@@ -316,7 +321,7 @@ class LoopEstimation:
                 estimator.estimate,
                 self.motion.state,
                 core.said[: len(estimator.measurements)].copy(),
-                observer.lost() if lost or is_aside else NOTHING,
+                observer.lost() if lost or observer.is_aside else NOTHING,
                 tuple(map(tuple, core.depths[:depths].tolist())) if depths else (),
                 observed,
                 observer.inconsistency if disagrees else "",

@@ -33,6 +33,9 @@ from winch_controller_node.interface.readings import SensorState
 from winch_controller_node.interface.sensors import KNOWN_SENSORS, MEASURED_WORDS, MeasurementRow
 from winch_controller_node.model.estimator import KalmanEstimator, Measurement
 
+ALONE = ("mru", "load_cell")
+"""Sensors that no other stands in for: one that is excluded is lost."""
+
 HEAVE_ALONE = "heave alone: it measures no rate"
 """State of an MRU that has no fault and reports no heave rate, in words."""
 
@@ -218,9 +221,14 @@ class Observer:
     # in words
 
     def lost(self) -> dict[str, str]:
-        """Return why each lost sensor counts as lost, by name; an excluded MRU does: no other measures the boom tip."""
+        """Return why each lost sensor counts as lost, by name; an excluded one does that no other stands in for."""
         lost = {name: gate.reason for name, gate in self.gates.items() if gate.is_lost}
-        return {"mru": CONTRADICTS, **lost} if self.excluded == "mru" else lost
+        return {self.excluded: CONTRADICTS, **lost} if self.is_aside else lost
+
+    @property
+    def is_aside(self) -> bool:
+        """Tell whether a sensor is excluded that no other stands in for."""
+        return self.excluded in ALONE
 
     @property
     def worst(self) -> tuple[str, float]:

@@ -11,6 +11,7 @@ import math
 
 from heave_core.library import fill, library, new
 from heave_core.sense_table import SECOND
+from heave_node.numerics.arrays import Array
 
 from winch_controller_node.beliefs.beliefs import Adopted
 from winch_controller_node.core.estimation.core_tick import CoreTick
@@ -103,10 +104,12 @@ class SecondFilter:
         start = carry_by_name(was, design) @ active.estimate
         covariance = active.covariance if by_count else design.initial_covariance
         self._estimator.continue_at(tick, start, covariance, active.streams)
+        if by_count:
+            self._estimator.set_process_noise(active.process_noise)
         self._settled = tick + (0 if by_count else round(SETTLING / design.tick_period))
         self._block = round(BLOCK / design.tick_period)
         self._rows = {name: RowEvidence() for name in self._estimator.measurements}
-        self._record = new(SECOND)
+        self._record, self._by_count = new(SECOND), by_count
         fill(self._record[0], second_design(self._estimator, by_count=by_count))
         self._step, self._address = library().heave_core_second, self._record.ctypes.data
 
@@ -122,6 +125,30 @@ class SecondFilter:
             row.close(*(float(sums[field][place]) for field in ("active", "second", "count")))
         for field in ("active", "second", "count"):
             sums[field] = 0.0
+
+    def carry(self, design: ControllerDesign, matrix: Array, added: Array | float = 0.0) -> None:
+        """Go on with the `design` that the active filter goes on with: the block that this breaks says nothing.
+
+        Parameters
+        ----------
+        design : its states are `matrix`, shape (n_new, n), times the present ones
+        matrix : as said
+        added : covariance that this adds, shape (n_new, n_new)
+        """
+        was, self.design, self._estimator = self._estimator, design, design.make_estimator()
+        assert was.tick is not None
+        covariance = matrix @ was.covariance @ matrix.T + added
+        self._estimator.continue_at(was.tick, matrix @ was.estimate, covariance, was.streams)
+        fill(self._record[0], second_design(self._estimator, by_count=self._by_count))
+
+    @property
+    def process_noise(self) -> Array:
+        """Covariance of the process noise of a tick, shape (n, n)."""
+        return self._estimator.process_noise
+
+    def set_process_noise(self, covariance: Array) -> None:
+        """Take the noise of another sea, as the active filter does: its `covariance`, shape (n, n)."""
+        self._estimator.set_process_noise(covariance)
 
     @property
     def nats(self) -> float:

@@ -31,6 +31,11 @@ MEASURED = tuple(row for sensor in KnownSensors().by_name().values() for row in 
 ROWS = tuple(row.name for row in MEASURED)
 """Their names."""
 
+OF_DRUM = {
+    row.name for name, one in KnownSensors().by_name().items() if name not in ("mru", "encoder") for row in one.rows()
+}
+"""Measurements that feel where the drum is, beside its count: the boom tip heaves with the ship alone."""
+
 INDEX = {name: index for index, name in enumerate(ROWS)}
 """Index of a measurement by its name."""
 
@@ -286,6 +291,6 @@ def second_design(estimator: KalmanEstimator, *, by_count: bool) -> dict[str, An
         "levers": _levers(estimator),
         "which": tuple(places),
         "sigma": tuple(sigmas[place] if place >= 0 else 0.0 for place in places),
-        "is_compared": tuple(not by_count or name != ENCODER_ROW for name in (*ROWS, *none)),
+        "is_compared": tuple(not by_count or name in OF_DRUM for name in (*ROWS, *none)),
         **dict.fromkeys(("active", "second", "count"), 0.0),
     }

@@ -75,12 +75,14 @@ class Driven(NamedTuple):
     hangs : the unit hangs, as far as is known
     taken_over : code of the alarm for which the envelope has taken over; empty: it has not
     latest : stamp up to which a reading can be [s]
+    has_mru : it is neither lost nor excluded
     """
 
     waits: bool
     hangs: bool
     taken_over: str = ""
     latest: float = math.inf
+    has_mru: bool = True
 
 
 class Proven(NamedTuple):
@@ -191,7 +193,10 @@ class Proofs:
             of_winch = (1.0, winch.time, winch.encoder_payout, winch.encoder_payout_rate)
         is_braked = self._sent is None or self._sent.brake
         runs, has_swung = driven.taken_over == "DRUM_RUNS_BRAKED", driven.taken_over == "LOAD_SWUNG_HIGHER"
-        self._seen[:] = (driven.latest, *of_winch, is_braked, driven.waits, driven.hangs, runs, has_swung)
+        self._seen[:] = (
+            *(driven.latest, *of_winch, is_braked),
+            *(driven.waits, driven.hangs, driven.has_mru, runs, has_swung),
+        )
         design, seen, state, work = self._at
         news: int = self._prove(design, seen, *delivered, state, work)
         alarms = self._alarms(news, winch) if news else ()

@@ -59,6 +59,7 @@ class WinchSituation(NamedTuple):
     mean_acceleration : with which the winch goes there [m/s^2]
     envelope : why the envelope has taken over, in words; empty: it has not
     proven : what follows from the proofs
+    cell_jumped : the load cell is off by a jump that no operator knows of
     """
 
     fault: int
@@ -73,6 +74,7 @@ class WinchSituation(NamedTuple):
     mean_acceleration: float = 0.0
     envelope: str = ""
     proven: Proven = Proven()
+    cell_jumped: bool = False
 
 
 class Decision(NamedTuple):
@@ -182,6 +184,7 @@ class Supervisor:
         self._seen[:] = (
             *(winch.fault, winch.speed, winch.mean_payout, winch.mean_acceleration, winch.settled_swing, winch.share),
             *(winch.drum_error, inhibition is not None, winch.is_reversed, bool(winch.envelope), not gate),
+            winch.cell_jumped,
         )
         self._supervise(self._at, self._depths())
         _, before, event, _, _, inhibits, damped, trusts, fades, stands, bounds, happened, _, _ = self._done.tolist()
@@ -210,7 +213,7 @@ class Supervisor:
     def _situation(self, tick: LoopTick, winch: WinchSituation) -> Situation:
         """Return what `winch`, guard, gates and sensors are in a tick."""
         guard, is_reversed = self.guard, winch.is_reversed
-        lost = tick.lost
+        lost = lost_sensors(tick, winch)
         return Situation(
             lost=", ".join(f"{name} {lost[name]}" for name in required_sensors(self.modes.mode) if name in lost),
             winch_fault=winch.fault,
@@ -294,7 +297,7 @@ class Supervisor:
         """Return why constant tension may not be asked for in a tick; empty when it may."""
         closed = int(self._done[-1])
         if closed & Gate.LOAD_CELL_LOST:
-            return f"the load cell is lost ({tick.lost['load_cell']})"
+            return f"the load cell is lost ({lost_sensors(tick, winch)['load_cell']})"
         if closed & (Gate.LOAD_HANGS | Gate.TENSION_UNSEEN):
             out = tick.mean_tension.value - self._load.cable_weight * (
                 winch.mean_payout + float(self._design["more"][0])
@@ -320,6 +323,11 @@ class Supervisor:
             else "Touchdown cannot be detected"
         )
         return ALARMS.alarm("LOWERING_BLIND", now=now)
+
+
+def lost_sensors(tick: LoopTick, winch: WinchSituation) -> dict[str, str]:
+    """Return why each sensor counts as lost in a `tick`, by name: a load cell that has jumped does, for the `winch`."""
+    return {"load_cell": "has jumped", **tick.lost} if winch.cell_jumped else tick.lost
 
 
 def mode_alarm(mode: ModeOutput) -> Alarm:
