@@ -29,7 +29,7 @@ def limit_figure(situation: Situation, record: SeaRecord | None) -> Figure:
     if record is not None:
         traces.append(_cloud(record))
     for name, curve, colour in (
-        ("uncompensated", situation.locked_limit, UNCOMPENSATED),
+        ("winch locked", situation.locked_limit, UNCOMPENSATED),
         ("compensated", situation.limit, UNIT),
     ):
         traces += curve_traces(name, curve, colour)
