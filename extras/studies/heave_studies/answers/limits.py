@@ -193,7 +193,7 @@ def _overview(found: Sequence[Situation], place: Place | None) -> str:
         return ""
     rows = []
     for situation in found:
-        for name, exposure in (("compensated", situation.exposure), ("locked", situation.locked_exposure)):
+        for name, exposure in (("compensated", situation.exposure), ("winch locked", situation.locked_exposure)):
             if exposure is not None:
                 cautious = f"{100 * exposure.cautious:.1f}" if math.isfinite(exposure.cautious) else "-"
                 shares = [f"{100 * exposure.share:.1f}", cautious]

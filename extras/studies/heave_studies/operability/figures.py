@@ -109,7 +109,7 @@ def _symbol(row: Mapping[Hashable, Any]) -> str:
 def month_figure(situation: Situation) -> Figure | None:
     """Return the workable share by month, compensated beside locked, of a `situation`; None without a record."""
     pairs = (
-        ("uncompensated", situation.locked_exposure, UNCOMPENSATED),
+        ("winch locked", situation.locked_exposure, UNCOMPENSATED),
         ("compensated", situation.exposure, UNIT),
     )
     traces = [
