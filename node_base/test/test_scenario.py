@@ -152,7 +152,8 @@ def test_ros_finds_the_same_sections_and_lets_the_later_one_win(path, monkeypatc
 @pytest.mark.parametrize(
     ("text", "words"),
     [
-        ("a: [1", "is not valid YAML"),
+        ("a: [1", "line 1 is not valid YAML"),
+        ("a: [1,2\n x", "line 2 is not valid YAML"),
         ("just words", "must be a mapping of node names"),
         ("cable_sim: {length: 3}", "cable_sim: must contain only ros__parameters"),
         (

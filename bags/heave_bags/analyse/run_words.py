@@ -33,12 +33,8 @@ def facts(record: RunRecord) -> dict[str, str]:
     """Return what was run in the run `record`, as far as its bag says: what it is about -> in words."""
     found = {
         "scenario": record.run.get("scenario", "") or record.name,
-        "law": _law(record),
-        "sea": record.sea_run if SEA in record.replaced else _sea(_of(record, SEA)),
-        "vessel": "" if SEA in record.replaced else _vessel(_of(record, SEA)),
-        "load": _load(_of(record, "cable_sim")),
-        "rope": _cable(_of(record, "cable_sim")),
-        "winch": _winch(_of(record, "virtual_winch")),
+        **lift_facts(record.parameters),
+        **({"sea": record.sea_run, "vessel": ""} if SEA in record.replaced else {}),
         "run": _run(record),
         **changes(record),
         "software": _software(record.run),
@@ -47,8 +43,17 @@ def facts(record: RunRecord) -> dict[str, str]:
     return {name: text for name, text in found.items() if text}
 
 
-def _of(record: RunRecord, node: str) -> Mapping[str, Any]:
-    return record.parameters.get(node, {})
+def lift_facts(parameters: Mapping[str, Mapping[str, Any]]) -> dict[str, str]:
+    """Return law, sea, vessel, load, rope and winch in words, by the `parameters` of each node by dotted name."""
+    vessel, plant = parameters.get(SEA, {}), parameters.get("cable_sim", {})
+    return {
+        "law": _law(parameters.get("winch_controller", {})),
+        "sea": _sea(vessel),
+        "vessel": _vessel(vessel),
+        "load": _load(plant),
+        "rope": _cable(plant),
+        "winch": _winch(parameters.get("virtual_winch", {})),
+    }
 
 
 def _number(parameters: Mapping[str, Any], name: str, scale: float = 1.0) -> str:
@@ -56,8 +61,7 @@ def _number(parameters: Mapping[str, Any], name: str, scale: float = 1.0) -> str
     return f"{scale * value:.4g}" if isinstance(value, int | float) and math.isfinite(value) else "?"
 
 
-def _law(record: RunRecord) -> str:
-    controller = _of(record, "winch_controller")
+def _law(controller: Mapping[str, Any]) -> str:
     place, _, own = str(controller.get("law", "")).rpartition(":")  # of a law of one's own, which may be a file
     law = f"{Path(place).name}:{own}" if place else own
     factor = controller.get("factor", 1.0)

@@ -21,7 +21,7 @@ from heave_node.parameters import ParameterError
 from heave_studies.accept.procedure import read_head
 from heave_studies.accept.study import WHOLE, Acceptance, Parts
 from heave_studies.answers import acceptance, lift, promise
-from heave_studies.answers.answer import ANSWERS, Found, answer_of, as_path, asked_of, own_keys
+from heave_studies.answers.answer import ANSWERS, Found, answer_of, as_path, asked_of, lift_of, own_keys
 from heave_studies.lift.plan import read_plan
 from heave_studies.lift.study import Lift
 from heave_studies.promise.study import read_promise
@@ -76,6 +76,7 @@ class Opened:
     folder: Path  # of what it leaves
     facts: Mapping[str, str] = field(default_factory=dict)  # what identifies it beside the engine's, by name
     lead: str = ""  # what it asks, in a line
+    lift: Mapping[str, str] = field(default_factory=dict)  # what was run, in words by name
 
 
 def open_study(options: Options) -> Opened:
@@ -84,7 +85,7 @@ def open_study(options: Options) -> Opened:
     if name not in shipped_files(FOLDER) and options.vary and options.scenario is None and not is_study(Path(name)):
         return _cases(options, None)
     path = find_study(name)
-    keys = as_mapping(parse_yaml(read_given(path)), str(path))
+    keys = _keys_of(path)
     if "phases" in keys:
         return _lift(options, path)
     if "promise" in keys:
@@ -96,8 +97,17 @@ def is_study(path: Path) -> bool:
     """Return whether there is a file at a `path` that states a study."""
     if not path.is_file():
         return False
-    content = parse_yaml(read_given(path))
-    return isinstance(content, Mapping) and ("scenario" in content or "promise" in content)
+    keys = _keys_of(path)
+    return "scenario" in keys or "promise" in keys
+
+
+def _keys_of(path: Path) -> Mapping[str, object]:
+    """Return the content of the file at `path`; raise ParameterError, in one line, for one that is no mapping."""
+    try:
+        return as_mapping(parse_yaml(read_given(path)), str(path))
+    except (OSError, ValueError) as error:
+        words = " ".join(str(error).split())
+        raise error if isinstance(error, ParameterError) else ParameterError(f"{path}: {words}") from error
 
 
 def _cases(options: Options, path: Path | None) -> Opened:
@@ -113,7 +123,8 @@ def _cases(options: Options, path: Path | None) -> Opened:
     )
     asked = asked_of(study)
     lead = f"Scenario {study.scenario}" if path is None else description_of(path)
-    return Opened(Cases(asked.study), asked.of, options.folder or options.own_folder, lead=lead)
+    folder = options.folder or options.own_folder
+    return Opened(Cases(asked.study), asked.of, folder, lead=lead, lift=lift_of(study))
 
 
 def _lift(options: Options, path: Path) -> Opened:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -12,8 +13,10 @@ import pytest
 from heave_bags.analyse import kpi_set
 from heave_bringup.cli import main
 from heave_node.criteria import Criterion
+from heave_studies.answers.answer import criteria_of, criteria_rows
 from heave_studies.operability.figures import limit_figure
 from heave_studies.operability.limits import (
+    FAILED_LIMIT,
     HEIGHT,
     LOST_LIMIT,
     PERIOD,
@@ -24,15 +27,17 @@ from heave_studies.operability.limits import (
     seed_limit,
     situations,
     too_few_seeds,
-    with_strengths,
 )
 from heave_studies.operability.seas import study_situations
 from heave_studies.study import cases as engine
 from heave_studies.study.runs import CaseResult, Task
+from heave_studies.study.study_file import study_of
 from scipy import stats
 
 RESIDUAL = Criterion("significant_residual_m", "<=", 0.5)
 AMPLIFICATION = Criterion("dynamic_amplification", "<=", 1.3)
+WANTED = {"unit_sigma_m": "<= 0.1"}
+NO_ROPE = {"system.cable.breaking_force": 0.0}
 SPEED = Criterion("winch_speed_max_mps", "<=", 2.0)
 
 
@@ -47,7 +52,14 @@ def cases(heights=(1.0, 2.0, 3.0), periods=(8.0,), seeds=(1,), residual=0.2, los
                 kpis["uncompensated_sigma_m"] = 5.0 * residual * height / 4.0
                 kpis["dynamic_amplification"] = 1.0 + 0.05 * height
                 kpis["uncompensated_dynamic_amplification"] = 1.0 + 0.2 * height
-                outcome = {"failure": "", "lost": height >= lost_from, "reason": "", "met": True, "missed": ""}
+                outcome = {
+                    "failure": "",
+                    "lost": height >= lost_from,
+                    "reason": "",
+                    "met": True,
+                    "missed": "",
+                    "breaches": "",
+                }
                 head = {"case": len(rows) + 1, "seed": seed, "nominal": False, PERIOD: period, HEIGHT: height}
                 rows.append({**head, **outcome, "compensating_share": 1.0, **kpis, "scenario": ""})
     return pandas.DataFrame(rows)
@@ -71,18 +83,47 @@ def test_a_rope_limits_where_its_load_reaches_its_breaking_force():
         amplification = 1.0 + share * frame[HEIGHT]
         frame[f"{prefix}dynamic_amplification"] = amplification
         frame[f"{prefix}rope_safety_factor"] = 1.0 / (0.8 * amplification)
-    (rope,) = with_strengths(frame, [])
-    assert (rope.kpi, rope.bound) == ("rope_safety_factor", 1.0)
+    rope = Criterion("rope_safety_factor", ">=", 1.0)
     found = seed_limit(frame, [rope])
     assert (found.height, found.governs) == (pytest.approx(2.5), "rope_safety_factor")
     assert seed_limit(frame, [rope], locked=True).height == pytest.approx(1.0)
 
 
-def test_a_rope_whose_strength_is_not_stated_and_one_with_a_criterion_of_its_own_add_none():
-    assert with_strengths(cases(), [RESIDUAL]) == [RESIDUAL]
-    own = Criterion("rope_safety_factor", ">=", 2.0)
-    frame = cases().assign(rope_safety_factor=3.0)
-    assert with_strengths(frame, [own]) == [own]
+def test_a_rope_that_is_too_weak_for_still_water_is_workable_in_no_sea():
+    """The static load is 0.5 of the capacity, 0.4 are allowed: no height is within the limit."""
+    frame = cases(heights=(1.0, 4.0)).assign(rope_safety_factor=[1.0 / 0.51, 1.0 / 0.54])
+    frame["dynamic_amplification"] = [1.02, 1.08]
+    assert seed_limit(frame, [Criterion("rope_safety_factor", ">=", 2.5)]).height == 0.0
+    (row,) = limit_curve(frame, [Criterion("rope_safety_factor", ">=", 2.5)]).to_dict("records")
+    assert (limit_words(row), row["governs"]) == ("below 1.0", "rope_safety_factor")
+
+
+@pytest.mark.parametrize(
+    ("own", "required"),
+    [(None, 2.535), (">= 2.0", 2.535), (">= 3.0", 3.0)],
+)
+def test_a_stated_rope_adds_the_factor_by_which_its_cases_are_judged(own, required):
+    """2.535 is the nominal safety factor of GL Noble Denton 0027/ND; a run with less fails whatever is wanted."""
+    wanted = {"unit_sigma_m": "<= 0.1", **({"rope_safety_factor": own} if own else {})}
+    study = replace(
+        study_of("b2_calm_300"), wanted=wanted, common={"system.cable.breaking_force": 2e5}, path=Path("my.yaml")
+    )
+    bounds = {one.kpi: one.bound for one in criteria_of(study)}
+    assert bounds["rope_safety_factor"] == required
+    assert "rope_safety_factor" not in {one.kpi for one in criteria_of(replace(study, common=NO_ROPE, wanted=WANTED))}
+    rows = {row[0]: row[1:] for row in criteria_rows(study, criteria_of(study))}
+    assert any("strength" in who or "study" in who for _, who in rows.values())
+
+
+def test_no_case_that_failed_lies_within_a_limit():
+    """Whatever fails it: here the rope was strained too much, which no criterion names."""
+    frame = cases(residual=0.01)
+    frame.loc[frame[HEIGHT] == 3.0, "breaches"] = "Largest strain of the cable 4 % (required at most 3 %)"
+    found = seed_limit(frame, [RESIDUAL])
+    assert (found.height, found.governs) == (2.0, FAILED_LIMIT)
+    frame = cases()  # the residual ends it at 2.5 m, below the failed case
+    frame.loc[frame[HEIGHT] == 3.0, "breaches"] = "FAILED"
+    assert seed_limit(frame, [RESIDUAL]).height == pytest.approx(2.5)
 
 
 def test_nothing_limits_where_every_criterion_holds():
@@ -109,8 +150,8 @@ def test_a_limit_outside_the_heights_that_were_run_is_reported_as_below_or_above
     (found,) = study_situations(frame, [RESIDUAL], None)
     drawn = {trace["name"]: trace for trace in limit_figure(found, None).traces}
     assert drawn["compensated"]["marker"]["symbol"] == ["circle", "circle"]
-    assert drawn["uncompensated"]["marker"]["symbol"] == ["triangle-down-open"] * 2
-    assert drawn["uncompensated"]["y"] == [1.0, 1.0], "nothing is drawn where no sea was run"
+    assert drawn["winch locked"]["marker"]["symbol"] == ["triangle-down-open"] * 2
+    assert drawn["winch locked"]["y"] == [1.0, 1.0], "nothing is drawn where no sea was run"
 
 
 def test_a_lost_case_ends_the_limit_at_the_height_before():
@@ -187,6 +228,18 @@ def test_the_study_answers_and_answers_another_record_without_running_again(tmp_
     said = capsys.readouterr().out
     page = (tmp_path / "studies" / "operability-b2_calm_300" / "page.html").read_text()
     assert "workable seas of seas.csv" in said
+    for text in (said, page):  # b2_calm_300 itself asks for other bounds
+        assert re.search(r"significant residual\W.*at most 40 cm.*study", text, re.DOTALL)
+        assert "compensated: ended by" in text
+    for words in (
+        "b2_calm_300",
+        "t in air",
+        "Hs",
+        "220" if "220" in page else "s each, figures from",
+        "peak_period 6, 9",
+    ):
+        assert words in page
+    assert "uncompensated" not in said
     assert "wait for 24 h" in said
     assert re.search(r"\d\.\d to \d", said) is None, "of two seeds no confidence is printed"
     for text in (said, page):
@@ -225,7 +278,7 @@ def test_limits_are_enclosed_by_bisection_in_the_same_waves(tmp_path, monkeypatc
     only = ("--require", "significant_residual_m<=0.4", "--require", "dynamic_amplification<=9", "--ask", "within=0.25")
     words = [word.replace("b2_calm_300", "b9_model_error") for word in seas(*only)]  # which has no criteria of its own
     assert main(words) == 0
-    assert "by bisection, enclosed within 0.25 m of Hs in the same waves" in capsys.readouterr().out
+    assert "enclosed within 0.25 m of Hs by bisection, in the same waves" in capsys.readouterr().out
     frame = pandas.read_parquet(tmp_path / "studies" / "operability-b9_model_error" / "table.parquet")
     for (_, seed), part in frame.groupby([PERIOD, "seed"]):
         heights = np.sort(part[HEIGHT])

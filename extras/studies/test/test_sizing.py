@@ -64,7 +64,7 @@ def frame_of(winches: list[Candidate], heights=(1.0, 2.0, 4.0), periods=(8.0, 11
         for period in periods:
             for height in heights:
                 head = {"case": len(rows) + 1, "seed": 1, "nominal": False, **places, PERIOD: period, HEIGHT: height}
-                outcome = {"failure": "", "lost": False, "reason": "", "met": True, "missed": ""}
+                outcome = {"failure": "", "lost": False, "reason": "", "met": True, "missed": "", "breaches": ""}
                 rows.append({**head, **outcome, "compensating_share": 1.0, **kpis_of(winches[number].speed, height)})
     return pandas.DataFrame(rows)
 

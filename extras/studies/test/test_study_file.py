@@ -129,3 +129,9 @@ def test_what_is_wrong_with_a_file_is_one_line_with_its_name(tmp_path, text, wor
     assert str(error.value).startswith(f"{tmp_path / 'own.yaml'}: ")
     assert words in str(error.value)
     assert "\n" not in str(error.value)
+
+
+def test_a_scenario_that_is_none_is_named_with_file_and_key(tmp_path):
+    (path := tmp_path / "own.yaml").write_text("scenario: my_lift\n")
+    with pytest.raises(ParameterError, match=rf"^{path}: scenario: my_lift: no such scenario"):
+        read_study(path)

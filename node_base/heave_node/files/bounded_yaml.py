@@ -156,7 +156,8 @@ def _complaint(error: Exception, text: str) -> str:
     line = lines[mark.line] if mark.line < len(lines) else ""
     is_tab = "\t" in line[: len(line) - len(line.lstrip())]
     hint = "indent with spaces, not tabs" if is_tab else "check its indentation, quotes and brackets"
-    return f"line {mark.line + 1} is not valid YAML: {hint} ({getattr(error, 'problem', None) or 'unknown'})"
+    at = min(mark.line + 1, len(lines))  # an end that is missing is missed after the last line
+    return f"line {at} is not valid YAML: {hint} ({getattr(error, 'problem', None) or 'unknown'})"
 
 
 def _check_events(text: str, most_values: int) -> None:

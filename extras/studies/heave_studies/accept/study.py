@@ -93,6 +93,7 @@ class Acceptance:
     """
 
     is_local = True
+    is_open = False
     files: Mapping[str, KeptFile] = MappingProxyType({})
 
     def __init__(

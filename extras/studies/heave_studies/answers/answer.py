@@ -4,24 +4,26 @@ from __future__ import annotations
 
 import difflib
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from importlib import import_module
 from pathlib import Path
 from typing import Protocol, cast
 
 import pandas
 from heave_bags.analyse.kpi_set import DEFINITION_OF
+from heave_bags.analyse.run_words import lift_facts
 from heave_bags.analyse.verdict import required_words
 from heave_bags.report.figure import Figure
 from heave_bags.report.parts import table
-from heave_bringup.output import Part
+from heave_bringup.commands.models.loads import strengths_in
+from heave_bringup.output import Part, make_table
 from heave_bringup.run.criteria import refuse_unknown
 from heave_bringup.scenarios import Scenario, load_scenario
 from heave_node.criteria import Criterion
-from heave_node.parameters import ParameterError
+from heave_node.parameters import ParameterError, flatten
 
 from heave_studies.operability.limits import HEIGHT, PERIOD
-from heave_studies.study.plan import Study
+from heave_studies.study.plan import Case, Study
 
 ANSWERS = {
     "cases": "every case, a summary with confidence intervals, and which parameters matter",
@@ -47,6 +49,7 @@ class Found:
     footer: str = ""  # of the page
     failures: Sequence[str] = ()  # why the verdict is FAILED, in words
     judged: int = 0  # cases that the answer stands on
+    worst: int | None = None  # the case worth a run over ROS, the last that `parts` name
 
 
 class Answer(Protocol):
@@ -122,40 +125,109 @@ def check_seas(study: Study, without: Sequence[str] = ()) -> None:
 
 def first_scenario(study: Study) -> Scenario:
     """Return the scenario of the first case of a `study`."""
-    first = next(iter(study.cases()))
-    return load_scenario(study.scenario_of(first), settings=study.settings_of(first))
+    return _loaded(study, next(iter(study.cases())))
 
 
 def criteria_of(study: Study, without: Sequence[str] = ()) -> list[Criterion]:
     """Return the criteria of a `study`, its scenario's own but for those on figures `without` which it does not name.
 
+    The safety factors of parts whose strength is stated are among them.
+
     Raises ParameterError where there are none.
     """
-    wanted = first_scenario(study).wanted
-    for one in wanted:
+    scenario = first_scenario(study)
+    for one in scenario.wanted:
         refuse_unknown(one, f"{study.path}: wanted")
-    found = [one for one in wanted if one.kpi not in without or one.kpi in study.wanted]
+    found = [one for one in scenario.wanted if one.kpi not in without or one.kpi in study.wanted]
     if not found:
         raise ParameterError("no criteria: give the study some (wanted), or --require, as in 'unit_sigma_m<0.05'")
-    return found
+    return with_strengths(found, scenario)
 
 
-def criteria_table(criteria: Sequence[Criterion]) -> str:
-    """Return the `criteria` of a study as HTML, under a heading."""
-    rows = [[DEFINITION_OF[criterion.kpi].title, required_words(criterion)] for criterion in criteria]
-    return f"<h2>Criteria</h2>{table(['figure of merit', 'required'], rows or [['none', '-']], texts=2)}"
+def with_strengths(criteria: Sequence[Criterion], scenario: Scenario) -> list[Criterion]:
+    """Return `criteria` with the safety factor that each part of a `scenario` is to have, where its strength is stated.
+
+    Any run with less fails, so that a criterion of the scenario that allows less gives way.
+    """
+    factors = {one.key: Criterion(one.key, ">=", one.required) for one in strengths_in(scenario)}
+    kept = [one for one in criteria if one.kpi not in factors or one.bound > factors[one.kpi].bound]
+    return [*kept, *(one for key, one in factors.items() if key not in {own.kpi for own in kept})]
+
+
+CRITERIA = ["figure of merit", "required", "stated by"]
+"""Headings of a table of criteria."""
+
+
+def criteria_rows(study: Study, criteria: Sequence[Criterion]) -> list[list[str]]:
+    """Return a row for each of the `criteria` of a `study`: its figure, what it requires, and who states it."""
+    name = Path(study.scenario).stem
+    own = {one.kpi: one for one in first_scenario(replace(study, wanted={})).wanted}
+    return [
+        [DEFINITION_OF[one.kpi].title, required_words(one), _stated_by(one, one.kpi in study.wanted, own, name)]
+        for one in criteria
+    ]
+
+
+def _stated_by(criterion: Criterion, is_of_study: bool, own: Mapping[str, Criterion], scenario: str) -> str:
+    known = own.get(criterion.kpi)
+    if known == criterion:
+        return scenario
+    if is_of_study:
+        return "study" if known is None else f"study, instead of {required_words(known)} ({scenario})"
+    return "strength of the part"
+
+
+def criteria_parts(study: Study, criteria: Sequence[Criterion]) -> tuple[Part, str]:
+    """Return the `criteria` of a `study` as a table for people, and as HTML under a heading."""
+    rows = criteria_rows(study, criteria) or [["none", "-", "-"]]
+    return make_table(CRITERIA, rows, texts=CRITERIA), f"<h2>Criteria</h2>{table(CRITERIA, rows, texts=3)}"
 
 
 def criteria_of_cases(study: Study) -> str:
     """Return the criteria that the cases of a `study` are judged by as HTML: those of each scenario that they have."""
     firsts = {study.scenario_of(case): case for case in study.cases()}
-    found = {name: load_scenario(name, settings=study.settings_of(case)).wanted for name, case in firsts.items()}
+    loaded = {name: _loaded(study, case) for name, case in firsts.items()}
+    found = {name: with_strengths(one.wanted, one) for name, one in loaded.items()}
     if len({repr(one) for one in found.values()}) == 1:
-        return criteria_table(next(iter(found.values())))
+        return criteria_parts(replace(study, scenario=next(iter(found))), next(iter(found.values())))[1]
     rows = [
         [Path(name).stem, DEFINITION_OF[one.kpi].title, required_words(one)] for name in found for one in found[name]
     ]
     return f"<h2>Criteria</h2>{table(['scenario', 'figure of merit', 'required'], rows, texts=3)}"
+
+
+def lift_of(study: Study) -> dict[str, str]:
+    """Return what the cases of a `study` are of, as far as they have it in common, and what differs: name -> words."""
+    cases = list(study.cases())
+    ends = [
+        lift_facts({node: flatten(given) for node, given in _loaded(study, case).parameters.items()})
+        for case in (cases[0], cases[-1])
+    ]
+    run = first_scenario(study).run
+    varied = {place: values for link in study.vary for place, values in link.items()}
+    words = [f"{place} {', '.join(_value(one) for one in values)}" for place, values in varied.items()]
+    seeds = ", ".join(map(str, study.seeds[:MOST_SEEDS])) + (", ..." if len(study.seeds) > MOST_SEEDS else "")
+    found = {
+        "scenario": ", ".join(dict.fromkeys(study.scenario_of(case) for case in cases)),
+        **{name: text for name, text in ends[0].items() if ends[1].get(name) == text},
+        "set": ", ".join(f"{place} {_value(value)}" for place, value in study.common.items()),
+        "varied": "; ".join(words),
+        "drawn": "" if study.draws is None else f"{study.draws.count} draws of {', '.join(study.draws.names)}",
+        "runs": f"{run.duration:g} s each, figures from {run.transient:g} s on; seeds {seeds}",
+    }
+    return {name: text for name, text in found.items() if text}
+
+
+MOST_SEEDS = 10
+"""Seeds that are listed."""
+
+
+def _loaded(study: Study, case: Case) -> Scenario:
+    return load_scenario(study.scenario_of(case), settings=study.settings_of(case))
+
+
+def _value(value: object) -> str:
+    return f"{value:g}" if isinstance(value, float) else str(value)
 
 
 def as_path(value: object) -> Path | None:

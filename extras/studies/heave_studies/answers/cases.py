@@ -71,30 +71,35 @@ def answer(study: Study, frame: pandas.DataFrame, ask: Ask, /) -> Found:
             parts.append(make_table(head, cells))
             body.append(table(head, cells, texts=1))
             data["sobol"] = found
-    worst, failures = _worst(study, good, figure if study.search else MOTION)
+    worst, failures, number = _worst(study, good, figure if study.search else MOTION)
     parts += [summary_table(frame), *left_out(frame), *worst]
     if study.refinement is not None:
         words = study.refinement.words(frame)
         parts.append(words)
         body.append(f"<p>{html.escape(words)}</p>")
-    return Found(parts, data, body, failures=failures, judged=judged)
+    return Found(parts, data, body, failures=failures, judged=judged, worst=number)
 
 
-def _worst(study: Study, good: pandas.DataFrame, figure: str) -> tuple[list[str], list[str]]:
-    """Return the lines on the worst case, and why the verdict of a search is FAILED."""
+def _worst(study: Study, good: pandas.DataFrame, figure: str) -> tuple[list[str], list[str], int | None]:
+    """Return the lines on the worst case, why the verdict of a search is FAILED, and the number of the case."""
     known = good[good[figure].notna()]
     if known.empty:
-        return [], []
+        return [], [], None
     row = known.loc[known[figure].idxmax()]
     value = float(row[figure])
     when = f" from {row[SILENT_START]:.0f} s on" if figure == SILENT and math.isfinite(row[SILENT_START]) else ""
     title = DEFINITION_OF[figure].title if figure in DEFINITION_OF else "worst minute without an alarm, over locked"
-    line = (
-        f"worst case: {row[CASE]}, {title} {value:.4g}{when}; heave study --case TABLE:{row[CASE]} writes its scenario"
+    shown = (
+        f"{DEFINITION_OF[figure].text(value)} {DEFINITION_OF[figure].unit}"
+        if figure in DEFINITION_OF
+        else f"{value:.4g}"
     )
+    line = f"worst case: {row[CASE]}, {title} {shown.rstrip()}{when}"
+    number = int(row[CASE])
     if study.search is None:
-        return [line], []
+        return [line], [], number
     bound = study.search.at_most
     verdict = "FAILED" if value > bound else "passed"
     lines = [line, f"verdict: {verdict}; {len(known)} of {len(good)} cases that ran were judged (at most {bound:g})"]
-    return ["\n".join(lines)], [f"{title} {value:.3f} (at most {bound:g}): case {row[CASE]}"] if value > bound else []
+    missed = [f"{title} {value:.3f} (at most {bound:g}): case {row[CASE]}"] if value > bound else []
+    return ["\n".join(lines)], missed, number

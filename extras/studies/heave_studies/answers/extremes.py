@@ -69,9 +69,9 @@ SHEET = Sheet(
     Column("in the same sea", "name", "name"),
     Column("seen", lambda one: one.scale * one.seen, "", ".2f"),
     Column("most probable", lambda one: one.scale * one.most_probable[0], "", ".2f"),
-    Column("90 % sure", lambda one: one.range("most_probable")),
+    Column("90 % confidence", lambda one: one.range("most_probable")),
     Column("1 in 10 beyond", lambda one: one.scale * one.p90[0], "", ".2f"),
-    Column("90 % sure ", lambda one: one.range("p90")),
+    Column("90 % confidence ", lambda one: one.range("p90")),
     *(Column("", name, name) for name in ("seen", "most_probable", "p90")),
 )
 

@@ -17,7 +17,7 @@ from heave_bringup.output import Part, make_table
 from heave_bringup.run.criteria import BASELINE_LAW, LAW
 from heave_node.parameters import ParameterError
 
-from heave_studies.answers.answer import Ask, Found, as_path, check_seas, criteria_of, criteria_table
+from heave_studies.answers.answer import Ask, Found, as_path, check_seas, criteria_of, criteria_parts
 from heave_studies.operability.figures import limit_figure, month_figure
 from heave_studies.operability.limits import (
     HEIGHT,
@@ -26,7 +26,6 @@ from heave_studies.operability.limits import (
     limit_words,
     title_of,
     too_few_seeds,
-    with_strengths,
 )
 from heave_studies.operability.seas import (
     ALL,
@@ -48,6 +47,9 @@ KEYS: Mapping[str, object] = MappingProxyType(
 )
 """Width within which bisection is to enclose each limit [m] (none: the grid alone), seas of the site (a file), lengths
 of weather windows [h], alpha factors (a file)."""
+
+ENDED = "compensated: ended by"
+"""Heading of what ends the limit with compensation."""
 
 FOOTER = """The limit of each seed is where a figure of merit, linear between the heights that were run, reaches its
 bound. Workable seas below the smallest height are counted with a figure that is linear from a calm sea on. Waiting
@@ -86,18 +88,19 @@ def _place(ask: Ask) -> Place | None:
 def answer(study: Study, frame: pandas.DataFrame, ask: Ask, /) -> Found:
     """See `heave_studies.answers.answer.Answer`."""
     place = _place(ask)
-    criteria = with_strengths(frame, criteria_of(study))
+    criteria = criteria_of(study)
+    listed, criteria_html = criteria_parts(study, criteria)
     found = study_situations(frame, criteria, place)
     few = too_few_seeds([one.limit for one in found])
     drawn: list[Figure] = []
-    body = [*_notices(found, place, few), _overview(found, place), criteria_table(criteria)]
+    body = [*_notices(found, place, few), _overview(found, place), criteria_html]
     for one in found:
         body += _section(one, place, drawn)
     remarks = [] if place is None or place.record.has_order else [no_windows(place.record)]
     remarks += [few] if few else []
     remarks += [study.refinement.words(frame)] if study.refinement is not None else []
     if LAW not in frame:
-        remarks.append(f"left out: the limits under law {BASELINE_LAW} (--vary {LAW}=mpc,{BASELINE_LAW})")
+        remarks.append(f"To add the limits under law {BASELINE_LAW}: --vary {LAW}=mpc,{BASELINE_LAW}")
     data = {
         "criteria": {criterion.kpi: criterion.text for criterion in criteria},
         "situations": [
@@ -112,21 +115,21 @@ def answer(study: Study, frame: pandas.DataFrame, ask: Ask, /) -> Found:
         ],
     }
     judged = int((frame[FAILURE] == "").sum())
-    return Found([*_tables(found, place), *remarks], data, body, drawn, FOOTER, judged=judged)
+    return Found([*_tables(found, place), listed, *remarks], data, body, drawn, FOOTER, judged=judged)
 
 
 def _tables(found: Sequence[Situation], place: Place | None) -> list[Part]:
     parts: list[Part] = []
     for one in found:
-        parts += [*([one.name] if one.name else []), make_table(*limit_rows(one), texts=["ended by"])]
+        parts += [*([one.name] if one.name else []), make_table(*limit_rows(one), texts=[ENDED])]
         if place is not None and one.exposure is not None and one.locked_exposure is not None:
             parts.append(
                 f"workable seas of {place.record.name}: {100 * one.exposure.share:.1f} % compensated, "
-                f"{100 * one.locked_exposure.share:.1f} % uncompensated"
+                f"{100 * one.locked_exposure.share:.1f} % with the winch locked"
             )
             both = (waits(one.exposure, place), waits(one.locked_exposure, place))
             parts += [
-                f"wait for {hours:g} h, P50 / P90: {compensated} h compensated, {alone} h uncompensated"
+                f"wait for {hours:g} h, P50 / P90: {compensated} h compensated, {alone} h with the winch locked"
                 for hours, compensated, alone in zip(place.windows, *both, strict=False)
             ]
     return parts
@@ -134,7 +137,7 @@ def _tables(found: Sequence[Situation], place: Place | None) -> list[Part]:
 
 def limit_rows(situation: Situation) -> tuple[list[str], list[list[str]]]:
     """Return head and rows of the table of limits by period of a `situation`, for page and terminal."""
-    head = ["Tp s", "ended by", "Hs m, compensated", "Hs m, winch locked"]
+    head = ["Tp s", ENDED, "Hs m, compensated", "Hs m, winch locked"]
     pairs = zip(situation.limit.to_dict("records"), situation.locked_limit.to_dict("records"), strict=True)
     rows = [
         [f"{row['period']:g}", title_of(row["governs"] or "nothing"), _limit(row), _limit(other)]
@@ -190,7 +193,7 @@ def _overview(found: Sequence[Situation], place: Place | None) -> str:
         return ""
     rows = []
     for situation in found:
-        for name, exposure in (("compensated", situation.exposure), ("uncompensated", situation.locked_exposure)):
+        for name, exposure in (("compensated", situation.exposure), ("winch locked", situation.locked_exposure)):
             if exposure is not None:
                 cautious = f"{100 * exposure.cautious:.1f}" if math.isfinite(exposure.cautious) else "-"
                 shares = [f"{100 * exposure.share:.1f}", cautious]

@@ -26,18 +26,25 @@ MOST_CASES = 2000
 
 
 def render(
-    title: str, lead: str, found: Found, frame: pandas.DataFrame, table_file: Path, about: Mapping[str, str]
+    title: str,
+    lead: str,
+    lift: Mapping[str, str],
+    found: Found,
+    frame: pandas.DataFrame,
+    table_file: Path,
+    about: Mapping[str, str],
 ) -> str:
     """Return the page of a study as HTML.
 
     Parameters
     ----------
-    title, lead : of the study, and what it asks
+    title, lead, lift : of the study, what it asks, and what was run, in words by name
     found : its answer
     frame, table_file : its table, and where that is
     about : where the numbers come from, by name
     """
     head = [f"<h1>{html.escape(title)}</h1>", f'<p class="lead">{html.escape(lead)}</p>' if lead else ""]
+    head += [table(["lift", ""], ([name, words] for name, words in lift.items()), texts=2)] if lift else []
     facts = table(["", ""], ([name, value] for name, value in about.items()), texts=2)
     whence = f"<details><summary>Where these numbers come from</summary>{facts}</details>"
     cost = cost_rows(table_file.parent)

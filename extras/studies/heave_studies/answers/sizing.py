@@ -24,10 +24,10 @@ from heave_studies.answers.answer import (
     as_path,
     check_seas,
     criteria_of,
-    criteria_table,
+    criteria_parts,
     first_scenario,
 )
-from heave_studies.operability.limits import FEWEST_SEEDS, with_strengths
+from heave_studies.operability.limits import FEWEST_SEEDS
 from heave_studies.operability.seas import SeaRecord, read_record
 from heave_studies.sizing import (
     ABILITY,
@@ -98,7 +98,8 @@ def _prices(ask: Ask) -> Prices:
 def answer(study: Study, frame: pandas.DataFrame, ask: Ask, /) -> Found:
     """See `heave_studies.answers.answer.Answer`."""
     prices = _prices(ask)
-    criteria = with_strengths(frame, criteria_of(study, OF_THE_WINCH))
+    criteria = criteria_of(study, OF_THE_WINCH)
+    listed, criteria_html = criteria_parts(study, criteria)
     seas = _record(ask) or even_seas(frame)
     found = size_winches(frame, criteria, seas, prices)
     answers = knees(found)
@@ -111,7 +112,7 @@ def answer(study: Study, frame: pandas.DataFrame, ask: Ask, /) -> Found:
         *_notices(found),
         f'<h2>Answer</h2><p class="caption">Seas: {html.escape(seas.name)}. The knee gives {100 * ENOUGH:g} % of what '
         f"the best of its sweep gives, all else as the scenario has it.</p>{_table(KNEES, answers)}",
-        criteria_table(criteria),
+        criteria_html,
         f"<h2>Winches</h2>{_table(ABILITY, found)}",
         f'<h2>An hour of compensation</h2><p class="caption">{charged}</p>{_table(DUTY, found)}',
         "<h2>What each particular is worth</h2>",
@@ -123,6 +124,7 @@ def answer(study: Study, frame: pandas.DataFrame, ask: Ask, /) -> Found:
         sheet_table(ABILITY, found),
         "an hour of compensation, mean over the workable seas",
         sheet_table(DUTY, found),
+        listed,
     ]
     data = {
         "seas": seas.name,

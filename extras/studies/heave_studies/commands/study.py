@@ -135,7 +135,7 @@ def _run(options: argparse.Namespace) -> None:
     unseen = [name for name in ("scenario", "files", "detail") if name in frame]
     frame.drop(columns=unseen).to_csv(folder / CSV, index=False)
     found = opened.answer(frame)
-    page = render(opened.kind.name, opened.lead, found, frame, folder / TABLE, {**about, **opened.facts})
+    page = render(opened.kind.name, opened.lead, opened.lift, found, frame, folder / TABLE, {**about, **opened.facts})
     (folder / PAGE).write_text(page, encoding="utf-8")
     if options.pdf:
         save_pdf(folder / PAGE, folder / PDF)
@@ -145,8 +145,15 @@ def _run(options: argparse.Namespace) -> None:
     cost, screened = cost_rows(folder), screening_words(frame)
     result = {"study": opened.kind.name, **found.data, "judged": found.judged, **files}
     result["screening"] = screened
+    repeat = [f"its scenario: heave study --case {folder / TABLE}:{found.worst}"] if found.worst else []
     result["cost_s"] = {name: float(seconds) for name, seconds, _ in cost}
-    parts = [*found.parts, *([screened] if screened else []), *([make_table(HEAD, cost)] if cost else []), places]
+    parts = [
+        *found.parts,
+        *repeat,
+        *([screened] if screened else []),
+        *([make_table(HEAD, cost)] if cost else []),
+        places,
+    ]
     write_result(options, parts, result)
     if not found.judged:
         raise CommandError(f"nothing was judged in {len(frame)} cases{_why(frame)}")

@@ -24,11 +24,12 @@ from typing import Any, TypeVar
 from heave_bringup.scenarios import Scenario, load_scenario
 from heave_bringup.settings import Setting, make_setting
 from heave_node.criteria import Criterion, parse_criterion
-from heave_node.files.given_files import as_list, as_mapping, read_stated, refuse_keys, scenario_of
+from heave_node.files.given_files import as_list, as_mapping, read_stated, refuse_keys
 from heave_node.loads.strength import ATTACHMENT, ROPE, WINCH_PULL
 from heave_node.parameters import Given, ParameterError, build_parameters, check_ranges, parameter
 
 from heave_studies.lift.figures import PLANNED
+from heave_studies.study.study_file import stated_scenario
 
 P = TypeVar("P")
 
@@ -141,7 +142,7 @@ def read_plan(path: Path) -> Plan:
     return Plan(
         path,
         str(content.get("title") or path.stem),
-        scenario_of(path, content),
+        stated_scenario(path, content),
         _settings(content.get("set") or {}, f"{path}: set"),
         _own(content, PlanParameters, str(path)),
         phases,

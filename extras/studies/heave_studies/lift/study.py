@@ -75,6 +75,7 @@ class Lift:
 
     plan: Plan  # of the lift
     is_local: bool = False  # jobs run anywhere
+    is_open: bool = False  # each job runs
     files: Mapping[str, KeptFile] = field(default_factory=dict)  # none is read
 
     @property

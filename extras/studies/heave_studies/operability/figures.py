@@ -29,7 +29,7 @@ def limit_figure(situation: Situation, record: SeaRecord | None) -> Figure:
     if record is not None:
         traces.append(_cloud(record))
     for name, curve, colour in (
-        ("uncompensated", situation.locked_limit, UNCOMPENSATED),
+        ("winch locked", situation.locked_limit, UNCOMPENSATED),
         ("compensated", situation.limit, UNIT),
     ):
         traces += curve_traces(name, curve, colour)
@@ -109,7 +109,7 @@ def _symbol(row: Mapping[Hashable, Any]) -> str:
 def month_figure(situation: Situation) -> Figure | None:
     """Return the workable share by month, compensated beside locked, of a `situation`; None without a record."""
     pairs = (
-        ("uncompensated", situation.locked_exposure, UNCOMPENSATED),
+        ("winch locked", situation.locked_exposure, UNCOMPENSATED),
         ("compensated", situation.exposure, UNIT),
     )
     traces = [

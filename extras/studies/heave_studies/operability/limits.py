@@ -19,12 +19,12 @@ import numpy as np
 import pandas
 from heave_bags.analyse.kpi_set import DEFINITION_OF
 from heave_node.criteria import Criterion
-from heave_node.loads.strength import FACTORS, LEAST, ROPE
+from heave_node.loads.strength import FACTORS, ROPE
 from heave_node.numerics.arrays import Array
 from scipy import stats
 
 from heave_studies.study.plan import Case, More
-from heave_studies.study.table import LOST, SEED, alike, settings_of
+from heave_studies.study.table import BREACHES, LOST, SEED, alike, settings_of
 from heave_studies.study.workers import FAILURE
 
 HEIGHT, PERIOD = "system.sea.significant_wave_height", "system.sea.peak_period"
@@ -43,6 +43,9 @@ NARROW = 0.1
 
 LOST_LIMIT = "compensation lost"
 """Name of the limit where compensation is lost, or a case cannot be run."""
+
+FAILED_LIMIT = "case failed for another reason"
+"""Name of the limit where a case within all criteria failed as any run may."""
 
 CALM = {
     "dynamic_amplification": 1.0,
@@ -90,19 +93,6 @@ def _name(places: Sequence[str], part: pandas.DataFrame) -> str:
         shown = f"{math.degrees(value):.0f} deg" if is_angle else f"{value:g}" if isinstance(value, float) else value
         words.append(f"{place.rsplit('.', 1)[-1]} {shown}")
     return ", ".join(words)
-
-
-def with_strengths(frame: pandas.DataFrame, criteria: Sequence[Criterion]) -> list[Criterion]:
-    """Return `criteria`, and beside them that no part carries more than it can, where its strength is stated.
-
-    Parameters
-    ----------
-    frame : table of the cases, with the safety factors as figures of merit
-    criteria : of the study; one on a safety factor stays as it is
-    """
-    chosen = {criterion.kpi for criterion in criteria}
-    stated = [key for key in FACTORS if key in frame and (frame[key] > 0.0).any()]
-    return [*criteria, *(Criterion(key, ">=", LEAST) for key in stated if key not in chosen)]
 
 
 def limit_curve(frame: pandas.DataFrame, criteria: Sequence[Criterion], *, locked: bool = False) -> pandas.DataFrame:
@@ -204,6 +194,8 @@ def seed_limit(frame: pandas.DataFrame, criteria: Sequence[Criterion], *, locked
     if not locked:
         gone = (cases[LOST].to_numpy(dtype=bool)) | (cases[FAILURE] != "").to_numpy()
         limits[LOST_LIMIT] = _last_before(heights, gone)
+        failed = (cases[BREACHES] != "").to_numpy() & (heights <= min(limits.values()))
+        limits[FAILED_LIMIT] = _last_before(heights, failed)
     if not limits:
         return SeedLimit(math.inf, "")
     governs = min(limits, key=lambda name: limits[name])
@@ -249,7 +241,7 @@ def course_of(cases: pandas.DataFrame, criterion: Criterion, *, locked: bool = F
     locked : of the uncompensated unit
     """
     values = figure(cases, criterion.kpi, locked=locked)
-    if values is None:
+    if values is None or (criterion.kpi in FACTORS and np.isnan(values).all()):  # of a load that is not measured
         return None
     if criterion.kpi not in FACTORS:
         return Course(values, CALM.get(criterion.kpi, 0.0), criterion)
@@ -276,6 +268,8 @@ def crossing(heights: Array, values: Array, criterion: Criterion, calm: float | 
         if math.isnan(next_value):
             return height  # such a case is lost, which ends the limit anyhow
         if not criterion.is_met(float(next_value)):
+            if not criterion.is_met(value):
+                return height  # not even a calm sea allows it
             share = (criterion.bound - value) / (next_value - value) if next_value != value else 0.0
             return float(height + (next_height - height) * min(max(share, 0.0), 1.0))
         height, value = next_height, next_value
@@ -312,11 +306,10 @@ class Bisection:
     def more(self, cases: Sequence[Case], frame: pandas.DataFrame) -> list[More]:
         """Return the heights in the middle of where limits are known to be, by the `frame` of all `cases`."""
         found: list[More] = []
-        criteria = with_strengths(frame, self.criteria)
         for rows in alike(frame, HEIGHT):
             part, first = frame.iloc[rows], cases[rows[0]]
             heights = sorted(part[HEIGHT].to_numpy(dtype=float).tolist())
-            limits = [seed_limit(part, criteria, locked=locked).height for locked in (False, True)]
+            limits = [seed_limit(part, self.criteria, locked=locked).height for locked in (False, True)]
             middles = {self._middle(heights, limit) for limit in limits} - {None}
             found += [(first.seed, {**first.settings, HEIGHT: middle}) for middle in sorted(middles)]  # type: ignore[type-var]
         return found
@@ -331,7 +324,7 @@ class Bisection:
 
     def words(self, _: pandas.DataFrame) -> str:
         """Return what was done, in a line."""
-        return f"limits of each seed by bisection, enclosed within {self.within:g} m of Hs in the same waves"
+        return f"Each seed's limit is enclosed within {self.within:g} m of Hs by bisection, in the same waves."
 
 
 def _but_height(case: Case) -> list[str]:

@@ -94,7 +94,7 @@ ROWS: Mapping[str, str] = {
     "failed": "draws that could not be run",
     "judged": "draws that were judged",
     **dict(zip(RATIOS, ("worst minute over winch locked: median", "90th percentile", "largest"), strict=True)),
-    **{name: f"share {name} (90 % sure) [%]" for name in SHARES},
+    **{name: f"share {name} (90 % confidence) [%]" for name in SHARES},
     "never begun": "compensation never began",
     "without a true reason": "of these without a true reason",
     "given up": "given up at least once",

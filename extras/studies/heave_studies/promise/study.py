@@ -39,6 +39,7 @@ class Promise:
     without: tuple[str, ...] = ()  # parts of the controller that are switched off, one at a time
     is_informed: bool = False  # each that can be is run with an informed controller as well
     is_local: bool = False  # draws run anywhere
+    is_open: bool = False  # each draw runs
     files: Mapping[str, KeptFile] = field(default_factory=dict)  # none is read
 
     @property

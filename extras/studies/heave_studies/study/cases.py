@@ -19,6 +19,7 @@ from heave_studies.batch.lifts import LiftBatch, NotCoveredError
 from heave_studies.study import sampling
 from heave_studies.study.case_file import KeptFile, keep_files
 from heave_studies.study.cost import LOOP, START, Meter
+from heave_studies.study.engine import SETTLED
 from heave_studies.study.plan import Case, Study, unlinked
 from heave_studies.study.runs import Task, in_a_line, judge, make_tasks, result_of, run_task
 from heave_studies.study.table import FLAG, SCREENED, SILENT, case_frame
@@ -52,6 +53,11 @@ class Cases:
             return self.study.search.runs
         refinement = self.study.refinement
         return len(self._first) if refinement is None else refinement.size([task.case for task in self._first])
+
+    @property
+    def is_open(self) -> bool:
+        """Whether there may be fewer: a refinement ends when it is done."""
+        return self.study.refinement is not None
 
     @cached_property
     def files(self) -> Mapping[str, KeptFile]:
@@ -141,7 +147,8 @@ def screening_jobs(tasks: Sequence[Task]) -> Iterator[Job]:
     for _, of_one in groupby(tasks, key=lambda task: repr((task.case.is_nominal, task.case.settings))):
         same = list(of_one)
         first = same[0].case
-        yield Job(-first.number, f"{len(same)} seeds screened, {first.label}", partial(screen, same))
+        more = f" and {len(same) - 1} more {'seed' if len(same) == 2 else 'seeds'}" if len(same) > 1 else ""
+        yield Job(-first.number, f"screened, {first.label}{more}", partial(screen, same))
 
 
 def screen(tasks: Sequence[Task]) -> Plain:
@@ -151,7 +158,7 @@ def screen(tasks: Sequence[Task]) -> Plain:
         batch = _batch_of(tasks[0])
     meters = [first, *(Meter() for _ in tasks[1:])]
     lifts = {str(one.case.number): _screened(one, batch, meter) for one, meter in zip(tasks, meters, strict=True)}
-    return {LIFTS: lifts}
+    return {LIFTS: lifts, SETTLED: sum(FAILURE in one for one in lifts.values())}
 
 
 def _batch_of(task: Task) -> LiftBatch | str:

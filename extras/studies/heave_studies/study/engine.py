@@ -6,7 +6,7 @@ import hashlib
 import json
 import sys
 import time
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Protocol
@@ -24,6 +24,10 @@ TABLE, CSV, PAGE, PDF, JOURNAL = "table.parquet", "table.csv", "page.html", "pag
 """What a study leaves in its folder; the journal goes when the table is there."""
 
 
+SETTLED = "settled"
+"""Key of the number of cases that a job settled, where it is not one."""
+
+
 class Kind(Protocol):
     """A kind of study: its jobs, and the table of what they give."""
 
@@ -37,7 +41,11 @@ class Kind(Protocol):
 
     @property
     def size(self) -> int:
-        """Number of jobs, at most."""
+        """Number of cases, at most: each job settles one, or as many as its result says (SETTLED)."""
+
+    @property
+    def is_open(self) -> bool:
+        """Whether its jobs may be fewer: how many depends on what they give."""
 
     @property
     def is_local(self) -> bool:
@@ -96,22 +104,28 @@ def run_study(
 
 def _completed(kind: Kind, run: Run, journal: Journal | None, results: dict[int, Plain]) -> pandas.DataFrame:
     """Return the table of a study, when all its jobs are among the `results`, each put there at once."""
-    started, before = time.monotonic(), len(results)
-    done = 0
+    started, before = time.monotonic(), _settled(results.values())
+    done = before
+    size = f"at most {kind.size}" if kind.is_open else f"{kind.size}"
     with ProgressLine() as progress:
         known = f", {before} of them known already" if before else ""
-        progress.show(f"{kind.size} cases of {kind.name}{known}", 0.0)
+        progress.show(f"{size} cases of {kind.name}{known}", 0.0)
         for jobs in kind.rounds(results):
             for job, result in run([job for job in jobs if job.number not in results]):
                 results[job.number] = result
-                done += 1
+                done += _settled([result])
                 if journal is not None:
                     journal.keep(job.number, result)
-                share = len(results) / max(kind.size, len(results))
-                rest = time_to_go(time.monotonic() - started, done / max(kind.size - before, done))
+                new = done - before
+                rest = f", {time_to_go(time.monotonic() - started, new / max(kind.size - before, new))}" if new else ""
                 failure = f" failed: {result[FAILURE]}" if result.get(FAILURE) else ""
-                progress.show(f"case {len(results)} of {kind.size}, {rest}: {job.label}{failure}", share)
+                progress.show(f"{done} of {size} cases{rest}: {job.label}{failure}", done / max(kind.size, done, 1))
     return kind.frame(results)
+
+
+def _settled(results: Iterable[Plain]) -> int:
+    """Return how many cases the `results` of jobs settle."""
+    return sum(int(result.get(SETTLED, 1)) for result in results)
 
 
 @contextmanager
@@ -121,9 +135,8 @@ def _saying_what_is_kept(journal: Journal, results: Mapping[int, Plain]) -> Iter
         yield
     except BaseException:
         if results:
-            sys.stderr.write(
-                f"heave: {len(results)} cases are kept in {journal.path}: the same command goes on there\n"
-            )
+            kept = _settled(results.values())
+            sys.stderr.write(f"heave: {kept} cases are kept in {journal.path}: the same command goes on there\n")
         raise
 
 

@@ -41,7 +41,7 @@ from pathlib import Path
 from typing import Any
 
 from heave_bringup.run.criteria import parse_requirement
-from heave_bringup.scenarios import shipped_scenarios
+from heave_bringup.scenarios import find_scenario, shipped_scenarios
 from heave_bringup.settings import make_setting, plain_settings, yaml_value
 from heave_node.files.bounded_yaml import YamlError, parse_yaml
 from heave_node.files.file_kinds import PARAMETERS_KEY, refuse_other_kind
@@ -97,7 +97,7 @@ def read_study(path: Path) -> Study:
     try:
         study = Study(
             path=path,
-            scenario=scenario_of(path, content),
+            scenario=stated_scenario(path, content),
             title=str(content.get("title", "")),
             duration=float(content["duration"]) if "duration" in content else None,
             seeds=_seeds(content.get("seeds", 1)),
@@ -120,6 +120,16 @@ def read_study(path: Path) -> Study:
     except (TypeError, ValueError) as error:
         raise error if isinstance(error, ParameterError) else ParameterError(f"{path}: {error}") from error
     return study
+
+
+def stated_scenario(path: Path, content: Mapping[str, Any]) -> str:
+    """Return the scenario that the `content` of the file at `path` names; raise ParameterError where there is none."""
+    name = scenario_of(path, content)
+    try:
+        find_scenario(name)
+    except ParameterError as error:
+        raise ParameterError(f"{path}: scenario: {error}") from error
+    return name
 
 
 def _links(vary: Any) -> tuple[Link, ...]:

@@ -46,19 +46,19 @@ from heave_studies.study.table import (
 from heave_studies.study.workers import FAILURE
 
 SHOWN = {
-    "unit_sigma_m": "unit",
-    "uncompensated_sigma_m": "off",
+    "unit_sigma_m": "load",
+    "uncompensated_sigma_m": "locked",
     "unit_efficiency": "effic.",
     BASELINE_EFFICIENCY: "baseline",
     "rope_safety_factor": "rope",
     "time_at_limit_percent": "at limit",
     "winch_speed_max_mps": "speed",
     "max_abs_heave_m": "max",
-    "uncompensated_max_abs_heave_m": "off max",
+    "uncompensated_max_abs_heave_m": "locked max",
     "tension_max_n": "Tmax",
     "tension_min_n": "Tmin",
     "dynamic_amplification": "DAF",
-    "uncompensated_dynamic_amplification": "DAF off",
+    "uncompensated_dynamic_amplification": "DAF locked",
 }
 """Figures of merit in the table for people, with their headings, the weightiest first; all of them are in files."""
 ALWAYS = 3
@@ -71,13 +71,13 @@ SUMMARY = {
     "lost": "cases in which compensation was lost",
     "met": "cases that met all criteria",
     "snaps": "snaps",
-    "snaps_uncompensated": "snaps, uncompensated",
+    "snaps_uncompensated": "snaps, winch locked",
     "unit_sigma_m_median": "load heave, standard deviation: median of the cases",
-    "unit_sigma_m_p90": "90th percentile",
-    "unit_sigma_m_max": "largest",
-    "unit_sigma_m_nominal": "nominal",
-    "p90_over_nominal": "90th percentile over nominal",
-    "worse": "largest over uncompensated",
+    "unit_sigma_m_p90": "load heave, standard deviation: 90th percentile",
+    "unit_sigma_m_max": "load heave, standard deviation: largest",
+    "unit_sigma_m_nominal": "load heave, standard deviation: nominal case",
+    "p90_over_nominal": "load heave, 90th percentile over nominal case",
+    "worse": "load heave, largest ratio to winch locked",
 }
 """Rows of the summary, by their key in JSON: counts, then motion, then ratios."""
 MOST_REMARKS = 20
@@ -121,13 +121,13 @@ def summarise(frame: pandas.DataFrame) -> dict[str, float]:
     if good.empty:
         return counts
     unit = good["unit_sigma_m"]
-    p90 = float(np.percentile(unit, 90))
+    p90 = float(np.percentile(unit, 90)) if len(unit) >= FEWEST_CASES else None
     return {
         **counts,
         "lost": float(good[LOST].sum()),
         "met": float(good[MET].sum()),
         "unit_sigma_m_median": float(unit.median()),
-        "unit_sigma_m_p90": p90,
+        **({} if p90 is None else {"unit_sigma_m_p90": p90}),
         "unit_sigma_m_max": float(unit.max()),
         **_against_nominal(frame, p90),
         "worse": kpi.worse(unit, good["uncompensated_sigma_m"]),
@@ -136,13 +136,13 @@ def summarise(frame: pandas.DataFrame) -> dict[str, float]:
     }
 
 
-def _against_nominal(frame: pandas.DataFrame, p90: float) -> dict[str, float]:
+def _against_nominal(frame: pandas.DataFrame, p90: float | None) -> dict[str, float]:
     """Return the nominal cases' unit sigma (root mean square) and the others' 90th percentile over it."""
     sigmas = frame.loc[frame[NOMINAL] & (frame[FAILURE] == ""), "unit_sigma_m"]
     if sigmas.empty:
         return {}
     nominal = float(np.sqrt(np.mean(np.square(sigmas))))
-    return {"unit_sigma_m_nominal": nominal, "p90_over_nominal": p90 / nominal}
+    return {"unit_sigma_m_nominal": nominal, **({} if p90 is None else {"p90_over_nominal": p90 / nominal})}
 
 
 def case_table(frame: pandas.DataFrame) -> FittedTable:
@@ -192,7 +192,7 @@ def left_out(frame: pandas.DataFrame) -> list[str]:
         return [f"the baseline {which}: {unknown[BASELINE_UNKNOWN].iloc[0]}"]
     if frame[BASELINE_EFFICIENCY].notna().any() or (frame[FAILURE] != "").all():
         return []
-    return [f"left out: the efficiency of law {BASELINE_LAW} beside each case (--baseline)"]
+    return [f"To add the efficiency of law {BASELINE_LAW} beside each case: --baseline"]
 
 
 def summary_table(frame: pandas.DataFrame) -> Table:
@@ -213,7 +213,9 @@ def summary_rows(frame: pandas.DataFrame) -> tuple[list[str], list[list[str]]]:
         if any(key in found for found in groups.values()):
             cells = [_summary_text(key, found[key]) if key in found else "-" for found in groups.values()]
             rows.append([words, *cells, _SIGMA.unit if key.startswith(_SIGMA.key) else ""])
-    rows += [[words, *(of(part) for part in parts.values()), unit] for words, of, unit in WIDTHS]
+    for words, of, unit in WIDTHS:
+        cells = [of(part) for part in parts.values()]
+        rows += [[words, *cells, unit]] if set(cells) != {"-"} else []
     return ["all cases", *groups, "unit"], rows
 
 
@@ -253,18 +255,16 @@ def _met_width(frame: pandas.DataFrame) -> str:
 
 def _p90_width(frame: pandas.DataFrame) -> str:
     values = _judged(frame)[_SIGMA.key].dropna().to_numpy(dtype=float)
-    if values.size < FEWEST:
+    if values.size < FEWEST_CASES:
         return "-"
     ends = bootstrap(values, lambda sample: float(np.percentile(sample, 90)))
     return " to ".join(map(_SIGMA.text, ends))
 
 
 _SIGMA = kpi_set.DEFINITION_OF["unit_sigma_m"]
-FEWEST = 5
-"""Fewest cases of which a width is stated."""
 WIDTHS: tuple[tuple[str, Callable[[pandas.DataFrame], str], str], ...] = (
-    ("share that meets all criteria, 90 % sure", _met_width, "%"),
-    ("90th percentile, 90 % sure", _p90_width, _SIGMA.unit),
+    ("cases that met all criteria: share, 90 % confidence", _met_width, "%"),
+    ("load heave, standard deviation: 90th percentile, 90 % confidence", _p90_width, _SIGMA.unit),
 )
 """Rows of the summary that say how sure it is."""
 
@@ -283,6 +283,7 @@ def summaries_by_law(frame: pandas.DataFrame) -> dict[str, dict[str, float]]:
 
 
 FEWEST_CASES = 10
+"""Cases of which a 90th percentile, and what matters, can be stated."""
 SPREAD = 1.06
 """Variance of Fisher's z of ranks, times n - 3."""
 
@@ -368,7 +369,7 @@ def influence_rows(found: Sequence[Influence], kpi: str) -> tuple[list[str], lis
         ]
         for one in found
     ]
-    return ["what matters", "rank correlation", "90 % sure", *heads, "influence"], rows
+    return ["what matters", "rank correlation", "90 % confidence", *heads, "influence"], rows
 
 
 def sobol_indices(draws: Draws, frame: pandas.DataFrame, kpi: str) -> dict[str, tuple[float, float]]:
