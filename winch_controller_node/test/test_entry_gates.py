@@ -1,5 +1,6 @@
 """What must hold before the winch follows the sea."""
 
+import itertools
 import math
 import re
 
@@ -87,6 +88,15 @@ def test_compensation_that_begins_in_a_sea_beyond_the_winch_says_by_how_much_and
     assert told.code == "SEA_ABOVE_WINCH"
     assert told.values["percent"] > 80.0
     assert told.values["authority"] == pytest.approx(share, abs=1.0)
+
+
+def test_a_sea_that_rises_while_the_winch_follows_it_is_told_again_by_what_it_has_come_to():
+    """Compensation begins at 20 s, a third up the ramp of a sea that needs more than the winch has."""
+    settings = ["all.duration=120", "wave_vessel.ramp=60"]
+    record = ClosedLoop(loop_parameters(load_scenario("b4_limit_900_tp10", settings=settings))).run()
+    told = [alarm.values["percent"] for _, alarm in record.alarms if alarm.code == "SEA_ABOVE_WINCH"]
+    assert told[0] < 100.0 <= told[-1]
+    assert all(after > 1.5 * before for before, after in itertools.pairwise(told))
 
 
 def test_all_gates_that_are_closed_are_told():

@@ -73,7 +73,7 @@ def on_industrial(record: RunRecord, values: Mapping[str, float]) -> str:
     """
     if (active := _seldom_active(record)) and record.signals.baseline is not None:
         lost = f", lost {record.signals.baseline.lost}" if record.signals.baseline.lost else ""
-        return f"Industrial controller: compensation {active}{lost}. Its efficiencies include the time without."
+        return f"Industrial controller: compensation {active}{lost}. Its efficiencies include the time without compensation."
     at_tip, at_load = values["baseline_outlet_efficiency"], values["baseline_efficiency"]
     if not at_tip - at_load > max(MUCH_LESS, 1.0 - at_tip):
         return ""
