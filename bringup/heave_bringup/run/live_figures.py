@@ -114,7 +114,8 @@ class LiveFigures:
 
         Parameters
         ----------
-        estimated_sigma, estimated_efficiency, estimated_window : of the controller [m], [-], [s]; they count where there is no truth
+        estimated_sigma, estimated_efficiency, estimated_window : of the controller [m], [-], [s]; they count where
+            there is no truth
         """
         if self._is_open_loop:
             return f"{self._mode_words()}, open loop: load and winch as recorded"

@@ -31,7 +31,7 @@ def prospect(residual: float, largest: float, *, awaits_operator: bool) -> str:
 
 
 def sequel(*, awaits_operator: bool) -> str:
-    """Return what follows an attempt that has failed, as a sentence of its alarm; `awaits_operator` as of `prospect`."""
+    """Return what follows a failed attempt, as a sentence of its alarm; `awaits_operator` as of `prospect`."""
     if awaits_operator:
         return f"{NO_MORE[0].upper()}{NO_MORE[1:]}"
     return "The next attempt is automatic; if it fails too, request standby"

@@ -39,7 +39,7 @@ GAIN_UNKNOWN = "gain of the winch or scale of the encoder is not known"
 """What keeps authority low before the guard sees errors of it."""
 
 GROWN = 1.5
-"""Peaks of the sea are told again once they are so many times those told last: a sea that rises, or is seen better."""
+"""Peaks of the sea are reported again once they are so many times the last ones: a sea that rises."""
 
 ASK_AGAIN = "check the cause, then request compensation"
 """Ends the reason of an inhibition that only an operator can end."""
@@ -142,7 +142,7 @@ class Supervisor:
         )
         self.guard = HarmGuard(parameters.guard, guarded_loop(design, law), tick_period=dt)
         self.landing = Landing(parameters.tension, hanging_load(design))
-        self._code_before, self._was_inhibited, self._dt, self._peak_told = "", False, dt, 0.0
+        self._code_before, self._was_inhibited, self._dt, self._peak_reported = "", False, dt, 0.0
         self._design, self._state = new(SUPERVISION_DESIGN), new(SUPERVISION_STATE)
         self._seen, self._done = np.zeros(len(SUPERVISION_SEEN.rows)), np.zeros(len(SUPERVISED.rows))
         guard, landing, modes = self.guard, self.landing.core, self.modes
@@ -267,15 +267,15 @@ class Supervisor:
         return ALARMS.alarm("TENSION_LIMIT_LOW", needed=needed, limit=float(self._design["highest_ratio"][0]))
 
     def _report_peaks(self, mode: Mode) -> tuple[Alarm, ...]:
-        """Return that a `mode` compensates in a sea whose peaks are above those allowed: at first, and grown by half."""
+        """Return that a `mode` compensates in a sea with peaks above those allowed: at first, and grown by half."""
         if mode is Mode.STANDBY:
-            self._peak_told = 0.0
+            self._peak_reported = 0.0
         if mode is not Mode.COMPENSATING:
             return ()
         peak, most = PEAK_OVER_SIGNIFICANT * self.guard.demand, self._parameters.entry.peak_use
-        if peak <= max(most, GROWN * self._peak_told):
+        if peak <= max(most, GROWN * self._peak_reported):
             return ()
-        self._peak_told = peak
+        self._peak_reported = peak
         alarm = peaks_alarm(peak, most, self.modes.factor * self.guard.authority_limit)
         return (alarm,) if alarm else ()
 
