@@ -69,7 +69,7 @@ def test_compensation_waits_until_it_is_predicted_to_leave_no_more_than_is_allow
 
 
 def test_peaks_above_four_fifths_of_the_limits_are_told_with_the_share_that_compensation_begins_with():
-    assert peaks_alarm(0.795, 0.8, 1.0) is None
+    assert peaks_alarm(0.795, 0.8, 1.0) is peaks_alarm(math.nan, 0.8, 1.0) is None
     within, beyond = peaks_alarm(0.9, 0.8, 0.85), peaks_alarm(1.2, 0.8, 1.0)
     assert within.code == beyond.code == "SEA_ABOVE_WINCH"
     figures = [[alarm.values[name] for name in ("percent", "limit", "authority")] for alarm in (within, beyond)]

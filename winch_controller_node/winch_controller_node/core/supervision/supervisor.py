@@ -273,7 +273,7 @@ class Supervisor:
         if mode is not Mode.COMPENSATING:
             return ()
         peak, most = PEAK_OVER_SIGNIFICANT * self.guard.demand, self._parameters.entry.peak_use
-        if peak <= max(most, GROWN * self._peak_reported):
+        if not peak > max(most, GROWN * self._peak_reported):  # not a number: a law has spoilt the estimate
             return ()
         self._peak_reported = peak
         alarm = peaks_alarm(peak, most, self.modes.factor * self.guard.authority_limit)
