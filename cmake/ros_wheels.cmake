@@ -13,17 +13,17 @@ list(PREPEND CMAKE_PREFIX_PATH "${ros_wheels_prefix}")
 set(ENV{AMENT_PREFIX_PATH} "${ros_wheels_prefix}")
 
 # The wheels name include directories of the machine that built them; CMake refuses imported targets whose directories do not exist.
-foreach(package IN ITEMS builtin_interfaces geometry_msgs std_msgs action_msgs service_msgs)
-  find_package(${package} REQUIRED)
-endforeach()
-get_property(ros_wheels_targets DIRECTORY PROPERTY IMPORTED_TARGETS)
-foreach(target IN LISTS ros_wheels_targets)
-  get_target_property(include_directories ${target} INTERFACE_INCLUDE_DIRECTORIES)
-  if(include_directories)
-    list(FILTER include_directories EXCLUDE REGEX "^/opt/python/")
-    set_property(TARGET ${target} PROPERTY INTERFACE_INCLUDE_DIRECTORIES "${include_directories}")
-  endif()
-endforeach()
+function(drop_absent_include_directories)
+  get_property(targets DIRECTORY PROPERTY IMPORTED_TARGETS)
+  foreach(target IN LISTS targets)
+    get_target_property(include_directories ${target} INTERFACE_INCLUDE_DIRECTORIES)
+    if(include_directories)
+      list(FILTER include_directories EXCLUDE REGEX "^/opt/python/")
+      set_property(TARGET ${target} PROPERTY INTERFACE_INCLUDE_DIRECTORIES "${include_directories}")
+    endif()
+  endforeach()
+endfunction()
+cmake_language(DEFER CALL drop_absent_include_directories) # once the package has found all that it needs
 
 # Each interface is parsed by the first of the generators that comes to it, see parse_once.py.
 set(parse_once "${CMAKE_BINARY_DIR}/parse_once")

@@ -26,7 +26,7 @@ def record(shared_bag):
     record.signals.unit_heave = Signal(time, sin(time) / 3.0)
     record.signals.compensating = Signal(time, 1.0 + 0.0 * time)
     record.modes = [Interval(0.0, 20.0, "standby"), Interval(20.0, 300.0, "compensating")]
-    record.waits = [Interval(0.0, 20.0, "standby", reason="estimate settling, 20 s more")]
+    record.waits = [Interval(0.0, 20.0, "standby", reason="estimate settling, 0 s more")]
     record.alarms = []
     return record
 
@@ -80,7 +80,7 @@ def test_why_compensation_never_began_is_told_in_the_words_of_the_controller(rec
     record.modes = [Interval(0.0, 300.0, "standby")]
     record.signals.compensating = Signal(record.signals.unit_heave.time, 0.0 * record.signals.unit_heave.time)
     record.waits = [
-        Interval(0.0, 20.0, "standby", reason="estimate settling, 20 s more"),
+        Interval(0.0, 20.0, "standby", reason="estimate settling, 0 s more"),
         Interval(20.0, 120.0, "standby", reason="mru nan"),
         Interval(120.0, 220.0, "standby", reason=TOLD.format(5)),
         Interval(220.0, 300.0, "standby", reason=TOLD.format(4)),
@@ -92,7 +92,7 @@ def test_why_compensation_never_began_is_told_in_the_words_of_the_controller(rec
     record.alarms += [Interval(21.0, 22.0, "winch_controller: alarms: only a warning", level=1)]
     (text,) = warned(record)
     assert text == (
-        f"Compensation never began. Reasons: standby for 180 s ({TOLD.format(5)}); standby for 100 s (mru nan). "
+        f"Compensation never began. Reasons: standby for 180 s ({TOLD.format(4)}); standby for 100 s (mru nan). "
         "Alarms: MRU_FROZEN, winch_controller: sensor mru: nan: start it again"
     )
 
@@ -134,6 +134,12 @@ def test_a_run_that_an_operator_stopped_early_is_not_told_why_it_was_not_in_forc
         (-0.1, 0.2, math.nan, ["The load moved more than with the winch locked (efficiency -10.0 %)"]),
         (0.1, -0.2, math.nan, ["The rope at the boom tip moved more than with the winch locked (efficiency -20.0 %)"]),
         (-0.001, -0.001, 0.001, []),
+        (
+            -0.0001,
+            0.0,
+            0.9,
+            ["The load moved more than under an industrial controller in the same sea (efficiency 0.0 %"],
+        ),
     ],
 )
 def test_a_winch_that_does_harm_or_less_than_another_would_is_told_in_words(shared_bag, unit, outlet, baseline, words):

@@ -27,7 +27,7 @@ def running(mode: str, *, is_landed: bool = False, depth_rate: float = 0.0) -> L
 @pytest.mark.parametrize("depth_rate", [0.0, 0.2])
 def test_the_truth_goes_before_the_estimate_also_while_the_unit_is_lowered(depth_rate):
     words = running("compensating", depth_rate=depth_rate).words(1.0, -0.5)
-    assert words == "compensating, load 5.00 cm rms, efficiency 90.0 %"
+    assert words == "compensating, load 5.00 cm rms, efficiency 90.0 % (over 60 s)"
 
 
 def test_a_load_or_winch_from_a_bag_has_no_figures_of_this_run():
@@ -49,11 +49,11 @@ def test_a_move_that_has_come_to_its_end_is_no_heave():
         live.note_truth(time, -depth + 0.05 * wave, -300.0 + 0.5 * wave, is_landed=False)
         if number % 10 == 0:
             live.note_depth(time, depth)
-    assert live.words() == "compensating, load 5.00 cm rms, efficiency 90.0 %"
+    assert live.words() == "compensating, load 5.00 cm rms, efficiency 90.0 % (over 60 s)"
 
 
 def test_a_law_that_is_off_and_a_unit_on_the_bottom_have_no_efficiency():
-    assert running("off").words(0.1, 0.447) == "law off, load 5.00 cm rms"
+    assert running("off").words(0.1, 0.447) == "law off, load 5.00 cm rms (over 60 s)"
     assert running("constant_tension", is_landed=True).words(0.1, -1.93) == "load on the seabed, constant tension"
     assert "efficiency" not in running("standby").words(0.1, 0.2)
 
@@ -61,7 +61,7 @@ def test_a_law_that_is_off_and_a_unit_on_the_bottom_have_no_efficiency():
 def test_without_truth_the_estimate_is_called_one():
     live = LiveFigures()
     live.note_mode(1.0, "compensating", "")
-    assert live.words(0.01, 0.9) == "compensating, load 1.00 cm rms, efficiency 90.0 % (estimated)"
+    assert live.words(0.01, 0.9, 60.0) == "compensating, load 1.00 cm rms, efficiency 90.0 % (estimated over 60 s)"
 
 
 def test_what_was_before_a_change_of_mode_does_not_count():

@@ -1,6 +1,7 @@
 """A scenario of one's own: the file that `heave new` writes, and what a name of the catalogue does in it."""
 
 import json
+import re
 
 import pytest
 from heave_bringup.cli import main
@@ -48,6 +49,8 @@ def test_a_lift_of_ones_own_is_stated_on_the_command_line(here, capsys):
     said = capsys.readouterr().out
     assert "6 t in air, 4.77 t in water, displaces 1.2 m^3; rope: 2010 m" in said, "6000 - 1025 x 1.2"
     assert "criteria (wanted) are those of unit_1500: check them" in said
+    assert "added mass and drag area are scaled from the load of unit_1500: check them" in said
+    assert re.search(r"2000 m is before stretch; the rope stretches by [\d.]+ m at rest", said)
     scenario, model = load_scenario("mine.yaml"), load_scenario("unit_1500")
     plant, controller = scenario.parameters["cable_sim"], scenario.parameters["winch_controller"]
     assert (plant.unit.mass, plant.unit.volume, plant.length) == (6000.0, 1.2, 2000.0 + plant.boom_tip_height)

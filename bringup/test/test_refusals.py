@@ -26,6 +26,13 @@ def test_a_folder_that_cannot_be_made_is_refused(tmp_path, capsys):
     assert "bag: cannot be made: Not a directory; choose another folder" in capsys.readouterr().err
 
 
+def test_a_run_of_no_tick_is_refused(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    assert main(["run", "b2_calm_300", "--duration", "0"]) == REFUSED
+    assert "duration = 0 s: must be at least one tick of 0.05 s" in capsys.readouterr().err
+    assert not (tmp_path / "runs").exists()
+
+
 def test_a_load_that_floats_is_refused_before_a_node_starts(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     assert main(["run", "b2_calm_300", "--set", "system.unit.volume=10"]) == REFUSED

@@ -68,6 +68,8 @@ class RunParameters:
                 "hardware does not wait for a simulation"
             )
 
+        if self.tick_count < 1:
+            raise ValueError(f"duration = {self.duration:g} s: must be at least one tick of {self.tick_period:g} s")
         if self.realtime_priority and self.is_lockstep:
             raise ValueError(
                 f"realtime_priority = {self.realtime_priority} needs pacing: realtime (`heave run --pacing realtime`)"

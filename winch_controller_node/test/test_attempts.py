@@ -67,6 +67,7 @@ def test_each_failure_leaves_as_much_again_until_no_authority_gains_a_tenth_and_
     for _ in range(4):
         attempts.fail()
         assert attempts.alarm.code == "UNIT_SWING_HIGH"
+        assert "The next attempt is automatic" in attempts.alarm.text
         doubts.append(attempts.doubt)
         assert not attempts.awaits_operator
         assert attempts.over()
@@ -74,6 +75,8 @@ def test_each_failure_leaves_as_much_again_until_no_authority_gains_a_tenth_and_
     assert doubts == [1.0, 2.0, 3.0, 4.0]
     attempts.fail()
     assert attempts.awaits_operator
+    assert "Every attempt has failed: request compensation" in attempts.alarm.text
+    assert "next attempt" not in attempts.alarm.text
     assert not attempts.over(100)
     assert "request compensation" in attempts.prospect
     attempts.release()

@@ -1,5 +1,6 @@
 """What must hold before the winch follows the sea."""
 
+import itertools
 import math
 import re
 
@@ -68,7 +69,7 @@ def test_compensation_waits_until_it_is_predicted_to_leave_no_more_than_is_allow
 
 
 def test_peaks_above_four_fifths_of_the_limits_are_told_with_the_share_that_compensation_begins_with():
-    assert peaks_alarm(0.795, 0.8, 1.0) is None
+    assert peaks_alarm(0.795, 0.8, 1.0) is peaks_alarm(math.nan, 0.8, 1.0) is None
     within, beyond = peaks_alarm(0.9, 0.8, 0.85), peaks_alarm(1.2, 0.8, 1.0)
     assert within.code == beyond.code == "SEA_ABOVE_WINCH"
     figures = [[alarm.values[name] for name in ("percent", "limit", "authority")] for alarm in (within, beyond)]
@@ -87,6 +88,15 @@ def test_compensation_that_begins_in_a_sea_beyond_the_winch_says_by_how_much_and
     assert told.code == "SEA_ABOVE_WINCH"
     assert told.values["percent"] > 80.0
     assert told.values["authority"] == pytest.approx(share, abs=1.0)
+
+
+def test_a_sea_that_rises_while_the_winch_follows_it_is_told_again_by_what_it_has_come_to():
+    """Compensation begins at 20 s, a third up the ramp of a sea that needs more than the winch has."""
+    settings = ["all.duration=120", "wave_vessel.ramp=60"]
+    record = ClosedLoop(loop_parameters(load_scenario("b4_limit_900_tp10", settings=settings))).run()
+    told = [alarm.values["percent"] for _, alarm in record.alarms if alarm.code == "SEA_ABOVE_WINCH"]
+    assert told[0] < 100.0 <= told[-1]
+    assert all(after > 1.5 * before for before, after in itertools.pairwise(told))
 
 
 def test_all_gates_that_are_closed_are_told():

@@ -111,7 +111,7 @@ def test_every_margin_is_a_parameter_and_nothing_else_fills_the_design():
 
 def test_every_cause_has_its_alarm_and_every_alarm_of_the_envelope_is_high():
     sent = [SimpleNamespace(cause=cause, value=1.0, limit=0.5) for cause in Cause if cause is not Cause.NOTHING]
-    assert {_alarm(one).severity.word for one in sent} == {"high", "critical"}
+    assert {_alarm(one, "the law lqg").severity.word for one in sent} == {"high", "critical"}
 
 
 @pytest.fixture(scope="module")
@@ -136,6 +136,7 @@ def test_what_was_sent_is_what_estimate_adviser_and_the_next_stop_go_by_and_an_o
     command.leave = leave_wild
     outputs, _ = loop.step()
     assert [alarm.code for alarm in outputs.alarms] == ["ORDER_NOT_FINITE"]
+    assert f"for the author of the law {controller.parameters.law}" in outputs.alarms[0].text
     assert math.isfinite(outputs.order.payout_rate)
     assert controller.envelope.last.cause == Cause.NOT_FINITE
     sent = []

@@ -94,7 +94,7 @@ def test_a_place_in_a_message_loads_nothing(here):
         ("none.py:Half", (), "law none.py:Half: no such file: none.py"),
         ("no.such:Half", (), "law no.such:Half: there is no module no.such, installed or in"),
         ("halves:Quarter", (), "law halves:Quarter: halves has no Quarter"),
-        ("halves:number", (), "is no class derived from winch_controller_node.laws.law.ControlLaw"),
+        ("halves:number", (), "is not a class derived from winch_controller_node.laws.law.ControlLaw"),
         ("halves:Nameless", (), "law halves:Nameless: has no name"),
         ("halves:Half", ("gain=3",), "law_parameters of law half: gain = 3.0 is not allowed"),
         ("halves:Half", ("gian=1",), "there is no parameter gian; did you mean gain?"),

@@ -85,14 +85,14 @@ def modes(state: Fields) -> list[Interval]:
 def waits(state: Fields) -> list[Interval]:
     """Return when the controller did not compensate, and why, from the columns of its `state`.
 
-    A reason whose figures alone change, as of a countdown, is one; it is reported as it was first.
+    A reason whose figures alone change, as of a countdown, is one; it is reported as it was last.
     """
     names, reasons = state.texts("mode"), state.texts("reason")
     if names is None or reasons is None or not names.size:
         return []
     kinds = np.array([f"{name}: {without_figures(str(reason))}" for name, reason in zip(names, reasons, strict=True)])
     stretches = _unchanged(state.time, kinds)
-    rows = np.searchsorted(state.time, [interval.start for interval in stretches])
+    rows = [*(np.searchsorted(state.time, [interval.end for interval in stretches[:-1]]) - 1), len(names) - 1]
     found = [
         replace(interval, name=str(names[row]), reason=str(reasons[row]))
         for interval, row in zip(stretches, rows, strict=True)

@@ -44,19 +44,22 @@ def warnings(record: RunRecord, values: Mapping[str, float]) -> list[str]:
     found = [*weak, *worse_than_off(record), *why_not_in_force(record, values)]
     if unit < -NOTABLE:
         found.append(
-            f"The load moved more than with the winch locked (efficiency {100.0 * unit:.1f} %); the list of events "
+            f"The load moved more than with the winch locked (efficiency {_percent(unit)}); the list of events "
             "shows when the winch did not do what was commanded"
         )
     if outlet < -NOTABLE:
-        found.append(
-            f"The rope at the boom tip moved more than with the winch locked (efficiency {100.0 * outlet:.1f} %)"
-        )
+        found.append(f"The rope at the boom tip moved more than with the winch locked (efficiency {_percent(outlet)})")
     if unit < baseline - NOTABLE:
         found.append(
-            f"The load moved more than under an industrial controller in the same sea (efficiency {100.0 * unit:.1f} % "
-            f"against {100.0 * baseline:.1f} %)"
+            f"The load moved more than under an industrial controller in the same sea (efficiency {_percent(unit)} "
+            f"against {_percent(baseline)})"
         )
     return found
+
+
+def _percent(share: float) -> str:
+    """Return a `share` in percent; one that rounds to 0 has no sign."""
+    return f"{round(100.0 * share, 1) + 0.0:.1f} %"
 
 
 @dataclass
@@ -152,7 +155,7 @@ def _reasons(record: RunRecord, waits: list[events.Interval]) -> list[str]:
     words: dict[str, str] = {}
     for wait in waits:
         kind = f"{wait.name}: {without_figures(wait.reason)}"
-        words.setdefault(kind, f" ({wait.reason})" if wait.reason else "")
+        words[kind] = f" ({wait.reason})" if wait.reason else ""
         spent[kind] = spent.get(kind, 0.0) + time_within(record, wait)
     least = LEAST_OF_WAITS * sum(spent.values())
     longest = sorted((kind for kind in spent if spent[kind] >= least), key=lambda kind: -spent[kind])

@@ -162,7 +162,8 @@ class Verdict:
         if self.state == FAILED:
             head = f"verdict: {FAILED}"
         elif self.why_not_judged:
-            what = "only on --require" if self.criteria else NO_VERDICT
+            judged = [*(["--require"] if self.criteria else []), *(["strength"] if self.loads else [])]
+            what = f"on {' and '.join(judged)} alone" if judged else NO_VERDICT
             head = f"verdict: {what}: {self.why_not_judged}"
         elif self.state == PASSED:
             head = f"verdict: {PASSED}" + (f" for one sea, {self.sea}" if self.sea else "")

@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 
+from heave_node.interface.codes import WinchLimit
+
 from heave_bags.analyse import kpi_table
 from heave_bags.analyse.kpis.window import Window
 from heave_bags.analyse.reading.stored import as_number, number
@@ -43,7 +45,18 @@ def note(record: RunRecord, key: str) -> str:
         notes.append(active)
     if key == "winch_speed_max_mps" and math.isfinite(record.signals.speed_limit):
         notes.append(f"limit {record.signals.speed_limit:g} m/s")
+    if key == "winch_speed_max_mps" and (acting := _acting(record)):
+        notes.append(f"time at limits: {acting}")
     return "; ".join(notes)
+
+
+def _acting(record: RunRecord) -> str:
+    """Return which limits of the winch acted in a run, and for how much of the time; "" where none did."""
+    values, power = record.kpis(), record.signals.power_limit
+    own = {WinchLimit.POWER: f" (at most {1e-3 * power:g} kW)" if math.isfinite(power) else ""}
+    shares = {one: values.get(f"time_at_{one.name.lower()}_limit_percent", 0.0) for one in WinchLimit if one.name}
+    acting = sorted((one for one, share in shares.items() if share > 0.0), key=lambda one: -shares[one])
+    return ", ".join(f"{str(one.name).lower()} {shares[one]:.1f} %{own.get(one, '')}" for one in acting)
 
 
 def is_missed(record: RunRecord, key: str, value: float) -> bool:
@@ -73,7 +86,8 @@ def on_industrial(record: RunRecord, values: Mapping[str, float]) -> str:
     """
     if (active := _seldom_active(record)) and record.signals.baseline is not None:
         lost = f", lost {record.signals.baseline.lost}" if record.signals.baseline.lost else ""
-        return f"Industrial controller: compensation {active}{lost}. Its efficiencies include the time without."
+        included = "Its efficiencies include the time without compensation."
+        return f"Industrial controller: compensation {active}{lost}. {included}"
     at_tip, at_load = values["baseline_outlet_efficiency"], values["baseline_efficiency"]
     if not at_tip - at_load > max(MUCH_LESS, 1.0 - at_tip):
         return ""

@@ -104,24 +104,32 @@ class LiveFigures:
         while self._depths and self._samples and self._depths[0][0] < self._samples[0][0] - WINDOW:
             self._depths.popleft()
 
-    def words(self, estimated_sigma: float = math.nan, estimated_efficiency: float = math.nan) -> str:
+    def words(
+        self,
+        estimated_sigma: float = math.nan,
+        estimated_efficiency: float = math.nan,
+        estimated_window: float = math.nan,
+    ) -> str:
         """Return what the line says.
 
         Parameters
         ----------
-        estimated_sigma, estimated_efficiency : of the controller [m], [-]; they count where there is no truth
+        estimated_sigma, estimated_efficiency, estimated_window : of the controller [m], [-], [s]; they count where
+            there is no truth
         """
         if self._is_open_loop:
             return f"{self._mode_words()}, open loop: load and winch as recorded"
         if self.is_landed:
             return "load on the seabed, constant tension" if self.mode == HOLDS_TENSION else "load on the seabed"
-        sigma, efficiency = self._figures() if self.has_truth else (estimated_sigma, estimated_efficiency)
+        estimated = estimated_sigma, estimated_efficiency, estimated_window
+        sigma, efficiency, window = self._figures() if self.has_truth else estimated
         words = [self._mode_words()]
         if math.isfinite(sigma):
             words.append(f"load {100.0 * sigma:.2f} cm rms")
             if self.mode in COMPENSATES and math.isfinite(efficiency):
                 words.append(f"efficiency {100.0 * efficiency:.1f} %")
-            words[-1] += "" if self.has_truth else " (estimated)"
+            how = "" if self.has_truth else "estimated "
+            words[-1] += f" ({how}over {window:.0f} s)"
         return ", ".join(word for word in words if word)
 
     def _mode_words(self) -> str:
@@ -130,18 +138,18 @@ class LiveFigures:
         waits = self.reason and self.mode not in COMPENSATES
         return f"{self.mode} ({self.reason})" if waits else self.mode
 
-    def _figures(self) -> tuple[float, float]:
-        """Return sigma [m] and efficiency of the samples, about the depths to which the unit was moved."""
+    def _figures(self) -> tuple[float, float, float]:
+        """Return sigma [m], efficiency and span [s] of the samples, about the depths to which the unit was moved."""
         samples = np.array(self._samples)
         if self._depths and len(samples):
             samples = samples[samples[:, 0] <= self._depths[-1][0]]
         if len(samples) < LEAST_SAMPLES or samples[-1, 0] - samples[0, 0] < LEAST_TIME:
-            return math.nan, math.nan
+            return math.nan, math.nan, math.nan
         time = samples[:, 0]
         moved = np.interp(time, *np.array(self._depths).T) if self._depths else np.zeros(len(time))
         # the locked winch's unit may follow the programme of depth or stay where it was
         unit, free = (min(_sigma(time, values), _sigma(time, values + moved)) for values in samples[:, 1:].T)
-        return unit, kpi.efficiency(unit, free)
+        return unit, kpi.efficiency(unit, free), float(time[-1] - time[0])
 
 
 def _sigma(time: Array, values: Array) -> float:

@@ -381,7 +381,7 @@ def _show_progress(scenario: Scenario, monitor: Monitor, progress: ProgressLine)
     text = f"{status.simulated_time:7.1f} of {duration:g} s  {pace}"
     # before that the window holds the start-up
     is_known = kpi is not None and status.simulated_time > kpi.window
-    estimated = (kpi.unit_sigma, kpi.unit_efficiency) if kpi is not None and is_known else ()
+    estimated = (kpi.unit_sigma, kpi.unit_efficiency, kpi.window) if kpi is not None and is_known else ()
     text += f"  {monitor.live.words(*estimated)}"
     share = min(status.simulated_time / duration, 1.0) if duration else 1.0
     progress.show(text, None if progress.is_narrow else share)

@@ -83,7 +83,7 @@ class LoadCheck:
     def __str__(self) -> str:
         one = self.strength
         return (
-            f"{one.part} {_number(self.factor, 2)} ({one.kind} {1e-3 * one.capacity:.4g} kN, largest load "
+            f"{one.part} {_number(self.factor, 2)} ({one.kind} {1e-3 * one.capacity:.4g} kN, largest tension "
             f"{_number(1e-3 * self.load, 1)} kN, required at least {one.required:.4g}): {self.state}"
         )
 

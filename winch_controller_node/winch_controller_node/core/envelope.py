@@ -159,6 +159,7 @@ class OrderEnvelope:
     parameters : as an operator states them
     cable : nominal two-state cable at payout 0
     tick_period : [s]
+    source : of the orders, as an alarm names it
 
     Attributes
     ----------
@@ -166,11 +167,17 @@ class OrderEnvelope:
     reason : why it has taken over, until an operator acknowledges; None: it has not
     """
 
-    def __init__(self, parameters: WinchControllerParameters, cable: CableModel, tick_period: float) -> None:
+    def __init__(
+        self,
+        parameters: WinchControllerParameters,
+        cable: CableModel,
+        tick_period: float,
+        source: str = "the controller",
+    ) -> None:
         self._dt = tick_period
         self._cable, self._length = cable, parameters.length
         self._core = Envelope(nominal_design(parameters, cable, tick_period))
-        self._is_active = parameters.envelope.active
+        self._is_active, self._source = parameters.envelope.active, source
         self._has_begun = self._is_acknowledged = False
         self._depth, self._cause = math.nan, 0.0
         self._jumps = Episode(tick_period)
@@ -240,7 +247,7 @@ class OrderEnvelope:
         found = [ALARMS.alarm("LOAD_CELL_JUMPED", step=1e-3 * self.last.load_step)] if jumps else []
         if not self._cause or self._cause == before:
             return found
-        self.reason = _alarm(self.last)
+        self.reason = _alarm(self.last, self._source)
         return [*found, self.reason]
 
     def step(self, raw: Measurements, asked: Asked, order: WinchOrder) -> tuple[WinchOrder, list[Alarm]]:
@@ -284,8 +291,8 @@ def _readings(raw: Measurements) -> tuple[float, ...]:
     return heave, rate, count, drive, load, depth
 
 
-def _alarm(sent: EnvelopeOrder) -> Alarm:
-    """Return the alarm of what the envelope took over for."""
+def _alarm(sent: EnvelopeOrder, source: str) -> Alarm:
+    """Return the alarm of what the envelope took over for, `sent` in place of an order of a `source`."""
     cause = Cause(int(sent.cause))
     if code := OF_DRUM.get(cause):
         return ALARMS.alarm(code, distance=sent.value, limit=sent.limit)
@@ -294,7 +301,7 @@ def _alarm(sent: EnvelopeOrder) -> Alarm:
     if cause is Cause.TRAVEL:
         return ALARMS.alarm("ORDER_TOO_FAR", travel=sent.value, limit=sent.limit)
     if cause is Cause.NOT_FINITE:
-        return ALARMS.alarm("ORDER_NOT_FINITE")
+        return ALARMS.alarm("ORDER_NOT_FINITE", source=source)
     if cause is Cause.HARM:
         return ALARMS.alarm("LOAD_SWUNG_HIGHER", ratio=sent.value)
     return ALARMS.alarm("STOP_OVERDUE", time=sent.value, limit=sent.limit)

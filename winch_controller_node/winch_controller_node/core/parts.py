@@ -66,7 +66,7 @@ class ControllerParts:
         sensed = Sensed(self._estimation.observer.addresses, tick.address, tick.depths_address)
         self._supervisor = Supervisor(design, law, sensed)
         self._winch = WinchWatch(design)
-        self.envelope = OrderEnvelope(parameters, design.cable, tick_period)
+        self.envelope = OrderEnvelope(parameters, design.cable, tick_period, f"the law {parameters.law}")
         self._load = LoadWatch(
             parameters.alarms,
             tick_period=tick_period,

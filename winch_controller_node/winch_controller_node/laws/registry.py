@@ -144,7 +144,7 @@ def _file(path: Path, name: str) -> ModuleType:
 def _checked(law: Any, where: str) -> type[ControlLaw]:
     """Return a `law` if it is one. Raises ParameterError, opened by `where` it comes from, for what is none."""
     if not (isinstance(law, type) and issubclass(law, ControlLaw)):
-        raise ParameterError(f"law {where}: is no class derived from winch_controller_node.laws.law.ControlLaw")
+        raise ParameterError(f"law {where}: is not a class derived from winch_controller_node.laws.law.ControlLaw")
     missing = [name for name in ("name", "summary") if not isinstance(getattr(law, name, None), str)]
     missing += sorted(getattr(law, "__abstractmethods__", ()))
     if missing:

@@ -46,7 +46,9 @@ LIFT = {
     "hs": Quantity("Hs", "m", "significant wave height"),
     "tp": Quantity("Tp", "s", "peak period"),
     "length": Quantity("length", "m", "rope paid out"),
-    "depth": Quantity("depth", "m", "depth of the load; rope length is depth plus height of the boom tip"),
+    "depth": Quantity(
+        "depth", "m", "depth of the load before the rope stretches; rope length is depth plus height of the boom tip"
+    ),
 }
 SEA = {"hs": "system.sea.significant_wave_height", "tp": "system.sea.peak_period"}
 
@@ -66,6 +68,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def execute(options: argparse.Namespace) -> None:
     """Write the file that `options` name, and check it."""
+    from cable_sim_node.vertical.axial_line import axial_line
     from heave_node.loads.strength import payload_words
 
     from heave_bringup.commands.models.loads import light_beside_rope, short_at_rest
@@ -90,6 +93,14 @@ def execute(options: argparse.Namespace) -> None:
     plant = scenario.parameters["cable_sim"]
     load = payload_words(plant.unit.mass, plant.unit.volume, plant.water_density)
     unit = f"load: {load}, displaces {plant.unit.volume:.3g} m^3; rope: {plant.length:g} m"
+    stretch = axial_line(plant, scenario.parameters["wave_vessel"].boom_tip_height).static_stretch(plant.length)
+    if options.depth is not None:
+        unit += (
+            f"\nnote: the depth of {options.depth:g} m is before stretch; the rope stretches by {stretch:.2g} m at rest"
+        )
+    if (options.mass, options.volume, options.density) != (None, None, None):
+        shape = options.unit or model.stem
+        unit += f"\nnote: added mass and drag area are scaled from the load of {shape}: check them"
     if known.wanted:
         unit += f"\nnote: the criteria (wanted) are those of {model.stem}: check them"
     warn([*light_beside_rope(scenario), *short_at_rest(scenario)])

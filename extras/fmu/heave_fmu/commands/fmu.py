@@ -62,7 +62,7 @@ def execute(options: argparse.Namespace) -> None:
     for name, part in make_parts(scenario, chosen).items():
         file = export_part(scenario, name, folder, options.language).resolve()
         ins, outs = (sum(len(port.variables) for port in ports.values()) for ports in (part.inputs, part.outputs))
-        lines.append(f"{file}: {ins} variables in, {outs} out, a step {scenario.run.tick_period:g} s or a fourth of it")
+        lines.append(f"{file}: {ins} variables in, {outs} out, step {scenario.run.tick_period:g} s or a quarter of it")
         files[name] = {"file": str(file), "inputs": ins, "outputs": outs}
     system = None if options.part else write_system(scenario, folder).resolve()
     lines += [] if system is None else [f"{system}: all of them, wired for libcosim"]

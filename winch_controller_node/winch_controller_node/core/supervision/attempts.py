@@ -5,6 +5,9 @@ from __future__ import annotations
 INTERRUPTION = 0.25
 """Motion that a stop for want of commands leaves, over that with the winch locked: a swing of some waves."""
 
+NO_MORE = "every attempt has failed: request compensation once the cause has been found"
+"""What follows the last attempt."""
+
 
 def too_much(residual: float, largest: float) -> str:
     """Return in words that a predicted `residual` is above the `largest`, over the motion with the winch locked."""
@@ -21,7 +24,14 @@ def prospect(residual: float, largest: float, *, awaits_operator: bool) -> str:
     awaits_operator : it is off until an operator asks for it
     """
     if awaits_operator:
-        return "every attempt has failed: request compensation once the cause has been found"
+        return NO_MORE
     if residual > largest:
         return f"next attempt when it is predicted to help; {too_much(residual, largest)}"
     return "next attempt once the cause has gone and the load has settled"
+
+
+def sequel(*, awaits_operator: bool) -> str:
+    """Return what follows a failed attempt, as a sentence of its alarm; `awaits_operator` as of `prospect`."""
+    if awaits_operator:
+        return f"{NO_MORE[0].upper()}{NO_MORE[1:]}"
+    return "The next attempt is automatic; if it fails too, request standby"

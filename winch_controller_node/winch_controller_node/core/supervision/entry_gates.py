@@ -27,7 +27,7 @@ def peaks_alarm(peak: float, most: float, share: float) -> Alarm | None:
     most : that may be used
     share : of the sea that compensation begins with
     """
-    if peak <= most:
+    if not peak > most:
         return None
     rest = "; motion beyond the limits stays" if share * peak > 1.0 else ""
     return ALARMS.alarm("SEA_ABOVE_WINCH", percent=100.0 * peak, limit=100.0 * most, authority=100.0 * share, rest=rest)

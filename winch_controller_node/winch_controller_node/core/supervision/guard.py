@@ -25,7 +25,7 @@ from heave_core.look_table import Harm
 from heave_core.modes_table import WhyOff
 from heave_node.interface.alarm import Alarm
 
-from winch_controller_node.core.supervision.attempts import INTERRUPTION, prospect
+from winch_controller_node.core.supervision.attempts import INTERRUPTION, prospect, sequel
 from winch_controller_node.core.supervision.guard_checks import GuardedLoop, guard_design
 from winch_controller_node.interface.alarms import ALARMS
 from winch_controller_node.parameters.laws import GuardParameters
@@ -184,21 +184,28 @@ class HarmGuard:
         if why == WhyOff.HARM_CERTAIN:
             self._alarm = self._certain
         elif why == WhyOff.HARM_UNEXPLAINED:
-            self._alarm = ALARMS.alarm("DEPTH_MRU_DISAGREE", error=found.mismatch)
+            self._alarm = ALARMS.alarm("DEPTH_MRU_DISAGREE", error=found.mismatch, next=self._sequel)
         elif why == WhyOff.HARM_DONE:
-            self._alarm = _alarm(Harm(int(self._state["harm"])), found)
+            self._alarm = _alarm(Harm(int(self._state["harm"])), found, self._sequel)
         return self.alarm
 
+    @property
+    def _sequel(self) -> str:
+        return sequel(awaits_operator=self.awaits_operator)
 
-def _alarm(harm: Harm, found: Verdict) -> Alarm:
-    """Return the alarm of what was `found`: the depth sensor's word before the estimate's, seconds before waves."""
+
+def _alarm(harm: Harm, found: Verdict, follows: str) -> Alarm:
+    """Return the alarm of what was `found`: the depth sensor's word before the estimate's, seconds before waves.
+
+    `follows` : what follows it, a sentence (`sequel`)
+    """
     if Harm.DEPTH_HIGH in harm:
-        return ALARMS.alarm("UNIT_HEAVE_HIGH", heave=found.depth)
+        return ALARMS.alarm("UNIT_HEAVE_HIGH", heave=found.depth, next=follows)
     if Harm.SWING_HIGH in harm:
-        return ALARMS.alarm("UNIT_SWING_HIGH", swing=found.swing)
+        return ALARMS.alarm("UNIT_SWING_HIGH", swing=found.swing, next=follows)
     if Harm.DRUM_OFF in harm:
-        return ALARMS.alarm("DRUM_SPEED_OFF", error=found.drum)
+        return ALARMS.alarm("DRUM_SPEED_OFF", error=found.drum, next=follows)
     sigma, free = found.unit_sigma, found.free_sigma
     if sigma > free:
-        return ALARMS.alarm("WORSE_THAN_OFF", sigma=sigma, free=free)
-    return ALARMS.alarm("LITTLE_GAIN", sigma=sigma, free=free, percent=100.0 * found.least_gain)
+        return ALARMS.alarm("WORSE_THAN_OFF", sigma=sigma, free=free, next=follows)
+    return ALARMS.alarm("LITTLE_GAIN", sigma=sigma, free=free, percent=100.0 * found.least_gain, next=follows)

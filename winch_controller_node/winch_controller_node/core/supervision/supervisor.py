@@ -38,6 +38,9 @@ SEA_UNKNOWN = "boom-tip motion does not match the assumed sea"
 GAIN_UNKNOWN = "gain of the winch or scale of the encoder is not known"
 """What keeps authority low before the guard sees errors of it."""
 
+GROWN = 1.5
+"""Peaks of the sea are reported again once they are so many times the last ones: a sea that rises."""
+
 ASK_AGAIN = "check the cause, then request compensation"
 """Ends the reason of an inhibition that only an operator can end."""
 
@@ -141,7 +144,7 @@ class Supervisor:
         )
         self.guard = HarmGuard(parameters.guard, guarded_loop(design, law), tick_period=dt)
         self.landing = Landing(parameters.tension, hanging_load(design))
-        self._code_before, self._was_inhibited, self._dt = "", False, dt
+        self._code_before, self._was_inhibited, self._dt, self._peak_reported = "", False, dt, 0.0
         self._design, self._state = new(SUPERVISION_DESIGN), new(SUPERVISION_STATE)
         self._seen, self._done = np.zeros(len(SUPERVISION_SEEN.rows)), np.zeros(len(SUPERVISED.rows))
         guard, landing, modes = self.guard, self.landing.core, self.modes
@@ -193,7 +196,8 @@ class Supervisor:
         self._was_inhibited = bool(inhibits)
         mode = self.modes.follow(int(event), int(before), partial(self._situation, tick, winch))
         if mode.before is not None:
-            alarms += (mode_alarm(mode), *self._report_peaks(mode))
+            alarms += (mode_alarm(mode),)
+        alarms += self._report_peaks(mode.mode)
         if bits & Happened.LOWERS_BLIND:
             alarms += (self._lowering_alarm(tick),)
         return Decision(
@@ -265,11 +269,16 @@ class Supervisor:
         needed = math.ceil(100.0 * float(self._state["least_ratio"][0])) / 100.0
         return ALARMS.alarm("TENSION_LIMIT_LOW", needed=needed, limit=float(self._design["highest_ratio"][0]))
 
-    def _report_peaks(self, mode: ModeOutput) -> tuple[Alarm, ...]:
-        """Return that compensation begins, by a `mode`, in a sea whose peaks are above those allowed."""
-        if mode.mode is not Mode.COMPENSATING or mode.before is not Mode.STANDBY:
+    def _report_peaks(self, mode: Mode) -> tuple[Alarm, ...]:
+        """Return that a `mode` compensates in a sea with peaks above those allowed: at first, and grown by half."""
+        if mode is Mode.STANDBY:
+            self._peak_reported = 0.0
+        if mode is not Mode.COMPENSATING:
             return ()
         peak, most = PEAK_OVER_SIGNIFICANT * self.guard.demand, self._parameters.entry.peak_use
+        if not peak > max(most, GROWN * self._peak_reported):  # not a number: a law has spoilt the estimate
+            return ()
+        self._peak_reported = peak
         alarm = peaks_alarm(peak, most, self.modes.factor * self.guard.authority_limit)
         return (alarm,) if alarm else ()
 
