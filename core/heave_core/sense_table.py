@@ -17,6 +17,9 @@ NOISE_READINGS = 100
 INTERVALS = 5
 """Intervals by whose median a sensor's own rate is known."""
 
+READ = 4
+"""Most numbers of a reading that the gate looks at."""
+
 SHARES = 64
 """Ticks for which the mean payout's share is kept, for readings that come late."""
 
@@ -36,6 +39,7 @@ class Reason(IntEnum):
     JUMP = 6
     STALE = 7
     DELAYED = 8
+    OUT_OF_RANGE = 9
     STATUS = 16
 
 
@@ -64,6 +68,7 @@ class News(IntFlag):
     NOISE_LOW = 8
     UNEXPLAINED = 16
     SEA_CHANGED = 32
+    ACCURACY_REFUSED = 64
 
 
 HEALTH = structure(
@@ -106,6 +111,7 @@ SENSOR = structure(
     Row("longest_period", "s", "longest interval that is believed of it"),
     Row("first_sameness", "", "share of equal readings at first"),
     Row("part_sameness", "", "the same of heave and rate of a motion reference unit"),
+    Row("largest", "", "largest magnitude that each number of a reading can have, in its unit", shape=(READ,)),
     Row("scale", "", "assumed reading over truth"),
     Row("offset", "", "assumed offset of its first measurement"),
     Row("delay", "s", "assumed delay of its stamps"),
@@ -127,6 +133,7 @@ MEASURED = structure(
     Row("is_compared", "", "1: its innovations say whether model and sensor agree", COUNTER),
     Row("nominal", "", "standard deviation of the noise, as assumed, in the sensor's unit"),
     Row("sigma", "", "the same in the filter"),
+    Row("largest_stated", "", "largest that the sensor may state; what is beyond counts as not stated"),
     Row("row", "", "on the state of a tick", shape=(STATES,)),
     Row("change", "", "its first difference over ticks", shape=(STATES,)),
     Row("bend", "", "its second difference over ticks", shape=(STATES,)),
@@ -278,6 +285,8 @@ NOISE = structure(
     Row("mean", "", "of the normalised innovations squared"),
     Row("quiet_time", "s", "for which that has been low"),
     Row("is_quiet", "", "1: that has been reported"),
+    Row("refused", "", "first standard deviation that was stated and cannot be; NaN: none"),
+    Row("is_refused", "", "1: that has been reported"),
     Row("news", "", "News"),
 )
 
@@ -518,6 +527,7 @@ SIZES = {
     "SENSORS": SENSORS,
     "NOISE_READINGS": NOISE_READINGS,
     "INTERVALS": INTERVALS,
+    "READ": READ,
     "SHARES": SHARES,
     "TRAVELS": TRAVELS,
 }

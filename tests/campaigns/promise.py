@@ -280,7 +280,18 @@ def _is_finding(alarm: Alarm) -> bool:
     return is_updated or alarm.code.startswith("COMMANDS_") or bool(blamed_by(read))
 
 
-LOST = ("STALE", "LATE", "ABSENT", "NOT_A_NUMBER", "BAD_STAMP", "OUT_OF_ORDER", "FROZEN", "SPIKES", "JUMPS")
+LOST = (
+    "STALE",
+    "LATE",
+    "ABSENT",
+    "NOT_A_NUMBER",
+    "OUT_OF_RANGE",
+    "BAD_STAMP",
+    "OUT_OF_ORDER",
+    "FROZEN",
+    "SPIKES",
+    "JUMPS",
+)
 """How a sensor is lost: the rest of a code that begins with the sensor."""
 QUALITY = ("SETTLING", "FAULT", "SLOW", "NOISE_HIGH")
 """What a sensor reports of itself, or how its readings come."""

@@ -445,6 +445,56 @@ def test_rubbish_from_every_sensor_never_becomes_a_rubbish_command():
         assert all(math.isfinite(value) for value in outputs.report.estimate)
 
 
+IMPOSSIBLE = [
+    *(("mru", name) for name in ("heave", "heave_rate", "roll", "pitch", "heave_sigma", "heave_rate_sigma")),
+    *((name, "value") for name in ("depth", "velocity", "imu", "load_cell")),
+    ("winch", "encoder_payout"),
+]
+"""Parts of the measurements, and their fields that are taken."""
+
+
+def with_field(measurements, part, field, value):
+    """Return `measurements` whose readings of a `part` have a `value` in a `field`."""
+    if part in ("mru", "winch"):
+        of_part = getattr(measurements, part)
+        changed = [one._replace(**{field: value}) for one in (of_part if part == "mru" else [of_part])]
+        return dataclasses.replace(measurements, **{part: tuple(changed) if part == "mru" else changed[0]})
+    scalar = dict(measurements.scalar)
+    if taken := measurements.of(part):
+        scalar[part] = tuple(one._replace(**{field: value}) for one in taken)
+    return dataclasses.replace(measurements, scalar=scalar)
+
+
+@pytest.mark.parametrize("value", [1e300, -1e160, 1e9])
+@pytest.mark.parametrize(("part", "field"), IMPOSSIBLE)
+def test_one_number_that_cannot_be_is_refused_and_named_and_compensation_goes_on(part, field, value):
+    """Its square is infinite, or a running mean never gets rid of it. All errors of the MRU are estimated."""
+    sensors = "winch_controller.sensors"
+    used = ["mru", "depth", "encoder", "velocity", "imu", "load_cell"]
+    errors = [f"{sensors}.mru.{name}=0.1" for name in ("lever_arm_sigma", "scale_sigma", "bias_sigma")]
+    fitted = [f"cable_sim.sensors.{name}.fitted=true" for name in ("velocity", "imu")]
+    settings = ["all.duration=60", f"{sensors}.use={used}", *errors, *fitted]
+    scenario = load_scenario("b2_calm_300", settings=settings)
+    loop = ClosedLoop(parameters_of(scenario))
+    step, codes, given = loop.controller.step, set(), []
+
+    def impossible(tick, measurements):
+        if tick < 800 or given or (changed := with_field(measurements, part, field, value)) == measurements:
+            return step(tick, measurements)
+        given.append(tick)
+        return step(tick, changed)
+
+    loop.controller.step = impossible
+    for _ in range(900):
+        outputs, _ = loop.step()
+        codes |= {alarm.code for alarm in outputs.alarms}
+        assert np.isfinite([*outputs.report.estimate, outputs.order.payout, outputs.order.payout_rate]).all()
+    name = "encoder" if part == "winch" else part
+    assert f"{name.upper()}_{'ACCURACY' if field.endswith('sigma') else 'READING'}_REJECTED" in codes
+    assert outputs.mode == "compensating"
+    assert abs(float(loop.controller.observer.state[0]["mean_tension"]["filtered"])) < 1e6
+
+
 def test_redesign_for_another_sea_goes_on_without_a_step():
     loop = ClosedLoop(loop_parameters(duration=60.0))
     for _ in range(500):

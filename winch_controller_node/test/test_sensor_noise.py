@@ -1,5 +1,7 @@
 """The noise of a sensor is known from its readings alone; noise that is stated far too large is reported as well."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 from heave_bringup.closed_loop import ClosedLoop, loop_parameters
@@ -67,6 +69,44 @@ def test_what_a_sensor_states_of_itself_counts_where_it_is_more():
     assert noise.add(0.0, 0.03) == 0.03
     assert noise.add(0.0, 0.001) == 0.01
     assert noise.add(0.0) == GATES["noise_unknown"] * 0.01  # it says no more, and has not been seen for long enough
+
+
+@pytest.mark.parametrize("stated", [1e300, 1e160, 10.1, np.inf, -np.inf, -1.0])
+def test_an_accuracy_that_cannot_be_counts_as_not_stated(stated):
+    """The limit is that of the parameter `noise`, 10 m."""
+    noise, as_not_stated = SensorNoise(0.01, DT), SensorNoise(0.01, DT)
+    assert noise.add(0.0, stated) == as_not_stated.add(0.0)
+    assert noise.add(0.0, 10.0) == 10.0
+    assert float(noise.memory[0]["noises"][noise.row]["refused"]) == stated
+
+
+@pytest.mark.parametrize(
+    ("field", "measurement"), [("heave_sigma", "MRU heave"), ("heave_rate_sigma", "MRU heave rate")]
+)
+@pytest.mark.parametrize("stated", [1e300, 1e160, np.inf, -1.0])
+def test_a_reading_that_states_an_impossible_accuracy_is_named_once_and_compensation_goes_on(
+    field, measurement, stated
+):
+    scenario = load_scenario("b2_calm_300", settings=["all.duration=60"])
+    loop = ClosedLoop(loop_parameters(scenario))
+    step = loop.controller.step
+
+    def stating(tick, measurements):
+        if tick not in (700, 720):
+            return step(tick, measurements)
+        mru = tuple(reading._replace(**{field: stated}) for reading in measurements.mru)
+        assert mru
+        return step(tick, dataclasses.replace(measurements, mru=mru))
+
+    loop.controller.step = stating
+    named = []
+    for _ in range(800):
+        outputs, _ = loop.step()
+        named += [alarm for alarm in outputs.alarms if alarm.code == "MRU_ACCURACY_REJECTED"]
+        assert np.isfinite([*outputs.report.estimate, outputs.order.payout, outputs.order.payout_rate]).all()
+    assert outputs.mode == "compensating"
+    (alarm,) = named
+    assert (alarm.values["measurement"], alarm.values["sigma"]) == (measurement, stated)
 
 
 def test_rare_readings_are_not_judged():

@@ -89,7 +89,7 @@ STATE = Port(
     1.0 / TICK,
     True,
     "encoder payout and payout rate, newest accepted command, brake, fault and its release condition; NaN if unknown",
-    (("encoder_payout", 1e4), ("encoder_payout_rate", 10.0)),
+    (("encoder_payout", sensors.LARGEST_PAYOUT), ("encoder_payout_rate", 10.0)),
 )
 MRU = Port(
     topics.MRU,

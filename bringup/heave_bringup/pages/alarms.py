@@ -48,7 +48,18 @@ PLACES = {
 OF_LOSS = {
     f"{part.upper()}_{kind}"
     for part in PLACES
-    for kind in ("STALE", "LATE", "ABSENT", "NOT_A_NUMBER", "BAD_STAMP", "OUT_OF_ORDER", "FROZEN", "SPIKES", "JUMPS")
+    for kind in (
+        "STALE",
+        "LATE",
+        "ABSENT",
+        "NOT_A_NUMBER",
+        "OUT_OF_RANGE",
+        "BAD_STAMP",
+        "OUT_OF_ORDER",
+        "FROZEN",
+        "SPIKES",
+        "JUMPS",
+    )
 }
 """Codes by which a sensor is lost, and of which the file has one row for all sensors."""
 

@@ -51,7 +51,8 @@ bool watch_still(const SenseDesign &design, EncoderGate &encoder, double step, d
 // Look for jumps and for a drum that turns unseen. What goes on as before does not jump: whether the drum does so is known
 // by what the winch was sent.
 int status_of(const SenseDesign &design, EncoderGate &encoder, double time, double value, double rate, bool is_driven) {
-    if (!std::isfinite(value) || !std::isfinite(time)) return GOOD;
+    const bool can_be = std::isfinite(value) && is_in_range(design.sensors[design.encoder], &value, 1);
+    if (!can_be || !std::isfinite(time)) return GOOD;
     const double last_time = encoder.time, last = encoder.value;
     encoder.time = time, encoder.value = value;
     if (std::isnan(last_time)) return GOOD;

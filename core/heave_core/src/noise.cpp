@@ -15,13 +15,14 @@ double median(int count, const double *values) {
 
 void begin_noise(const Measured &measured, SensorNoise &noise) {
     noise = SensorNoise{};
-    noise.seen = NOT_KNOWN;
+    noise.seen = noise.refused = NOT_KNOWN;
     noise.reported = noise.sigma = measured.nominal;
     noise.mean = 1.0;
 }
 
 // Take in a reading; return the standard deviation to use: until it is seen, or stated, several times the nominal one, as
-// a sensor noisier than assumed must not be taken for one with an error.
+// a sensor noisier than assumed must not be taken for one with an error. An accuracy that cannot be is not stated: its
+// square would be in the filter for good.
 double add_noise(const Health &health, const Measured &measured, SensorNoise &noise, double value, double stated) {
     noise.count += 1.0;
     if (measured.is_judged && noise.count > 3.0) {
@@ -35,9 +36,11 @@ double add_noise(const Health &health, const Measured &measured, SensorNoise &no
         }
     }
     noise.last[0] = noise.last[1], noise.last[1] = noise.last[2], noise.last[2] = value;
+    const bool is_stated = stated >= 0.0 && stated <= measured.largest_stated;
+    if (!is_stated && !std::isnan(stated) && std::isnan(noise.refused)) noise.refused = stated;
     // one that is not a number is no maximum
-    noise.sigma = larger(std::max(measured.nominal, std::isfinite(stated) ? stated : 0.0), noise.seen);
-    const bool is_known = std::isfinite(stated) || std::isfinite(noise.seen) || !measured.is_judged;
+    noise.sigma = larger(std::max(measured.nominal, is_stated ? stated : 0.0), noise.seen);
+    const bool is_known = is_stated || std::isfinite(noise.seen) || !measured.is_judged;
     return is_known ? noise.sigma : health.noise_unknown * measured.nominal;
 }
 

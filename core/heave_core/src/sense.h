@@ -10,6 +10,7 @@ inline double larger(double value, double other) { return other > value ? other 
 
 // sensor_gate.cpp: what one sensor shows alone
 void begin_gate(const Health &health, const Sensor &sensor, SensorGate &gate);
+bool is_in_range(const Sensor &sensor, const double *values, int count);
 bool judge(const Health &health, const Sensor &sensor, SensorGate &gate, double now, double time, const double *values,
            int count, double status);
 void refuse(const Health &health, SensorGate &gate, int reason);

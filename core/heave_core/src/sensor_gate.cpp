@@ -1,5 +1,5 @@
-// A reading is refused for what it shows alone: not a number, a status of the sensor's own, a stamp that cannot be, a
-// value that does not change. What only the estimate can show (a spike) comes back from the innovations.
+// A reading is refused for what it shows alone: not a number, or one that cannot be; a status of the sensor's own, a stamp
+// that cannot be, a value that does not change. What only the estimate can show (a spike) comes back from the innovations.
 #include "sense.h"
 
 namespace heave {
@@ -42,6 +42,7 @@ int fault_of(const Health &health, const Sensor &sensor, SensorGate &gate, doubl
     double sum = 0.0;
     for (int i = 0; i < count; i++) sum += values[i];
     if (!std::isfinite(sum)) return NOT_A_NUMBER;
+    if (!is_in_range(sensor, values, count)) return OUT_OF_RANGE;
     if (!std::isfinite(time) || time > now + health.stamp_tolerance) return WRONG_STAMP;
     if (time <= gate.newest_stamp) return OUT_OF_ORDER;
     // a heave that stands contradicts its rate as well
@@ -57,6 +58,13 @@ void accept(SensorGate &gate) {
 }
 
 }  // namespace
+
+// Whether each of the first numbers of a reading can be; one that cannot would be squared, or left in a running mean.
+bool is_in_range(const Sensor &sensor, const double *values, int count) {
+    for (int i = 0; i < count; i++)
+        if (std::abs(values[i]) > sensor.largest[i]) return false;
+    return true;
+}
 
 void begin_gate(const Health &health, const Sensor &sensor, SensorGate &gate) {
     gate = SensorGate{};

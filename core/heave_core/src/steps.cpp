@@ -73,9 +73,10 @@ bool admits_mru(const SenseDesign &design, SenseState &state, double now, const 
     int status = reading.status != 0.0 ? STATUS + int(reading.status) : GOOD;
     // a unit that does not measure the rate says NaN
     const double rate = std::isnan(reading.rate) ? 0.0 : reading.rate;
-    if (status != GOOD || !std::isfinite(reading.value + rate + reading.time)) state.mru.time = NOT_KNOWN;
-    else if (is_off(design.steps, state.mru, reading, state.noises[sensor.measured].sigma)) status = JUMP;
     const double values[] = {reading.value, rate, reading.roll, reading.pitch};
+    const bool can_be = std::isfinite(reading.value + rate + reading.time) && is_in_range(sensor, values, 4);
+    if (status != GOOD || !can_be) state.mru.time = NOT_KNOWN;
+    else if (is_off(design.steps, state.mru, reading, state.noises[sensor.measured].sigma)) status = JUMP;
     const bool passes = judge(design.health, sensor, gate, now, reading.time, values, 4, status);
     if (gate.reason == FROZEN) state.mru.time = NOT_KNOWN;  // where the ship has gone meanwhile its rate does not tell
     return passes;

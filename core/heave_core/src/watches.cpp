@@ -21,13 +21,15 @@ int watch_consistency(const SenseDesign &design, SenseState &state) {
     int news = 0;
     for (int i = 0; i < MEASUREMENTS; i++) {
         SensorNoise &noise = state.noises[i];
-        noise.news = 0.0;
+        const bool has_refused = !std::isnan(noise.refused) && noise.is_refused == 0.0;
+        if (has_refused) noise.is_refused = 1.0, news |= ACCURACY_REFUSED;
+        noise.news = has_refused ? ACCURACY_REFUSED : 0;
         worst = std::max(worst, noise.mean);
         noise.quiet_time = noise.mean < watches.quiet ? noise.quiet_time + design.tick_period : 0.0;
         if (noise.quiet_time < watches.quiet_time || noise.is_quiet != 0.0) continue;
         noise.is_quiet = 1.0;
         if (!design.measured[i].has_noise || design.measured[i].nominal <= design.health.least_noise) continue;
-        noise.news = NOISE_LOW, news |= NOISE_LOW;
+        noise.news += NOISE_LOW, news |= NOISE_LOW;
     }
     state.disagree_time = worst > watches.inconsistent ? state.disagree_time + design.tick_period : 0.0;
     const bool was = state.is_unexplained != 0.0, is_unexplained = state.disagree_time >= watches.unexplained_time;

@@ -30,6 +30,9 @@ from heave_node.numerics.constants import ATMOSPHERIC_PRESSURE, SEAWATER_DENSITY
 UNKNOWN_VARIANCE = 1e6
 """Variance [SI] of what a sensor does not measure, in messages that cannot leave it out."""
 
+LARGEST_PAYOUT = 1e4
+"""Largest plausible magnitude of a winch's payout [m]."""
+
 Numbers = tuple[float, ...]
 
 
@@ -118,6 +121,11 @@ class Sensor:
     def width(self) -> int:
         """Number of values of a reading."""
         return len(self.values)
+
+    def largest_values(self, water: Water) -> tuple[float, ...]:
+        """Return the largest plausible magnitude of each value, as a reader that assumes `water` has it; inf: none."""
+        largest = dict(self.largest)
+        return self.decode([largest.get(name, np.inf) for name in self.values], water)
 
     def to_wire(self, reading: Reading | MruReading, water: Water) -> WireReading:
         """Return a reading taken in `water` as it travels."""

@@ -28,6 +28,9 @@ CALIBRATION_DRIFT = 1e-5
 awake."""
 
 
+LARGEST_NOISE = 10.0
+"""Largest standard deviation of the noise of a motion, in SI units: as a parameter, and as a sensor may state it."""
+
 MEASURED_WORDS = {
     "mru_heave": "MRU heave",
     "mru_heave_rate": "MRU heave rate",
@@ -52,6 +55,7 @@ class MeasurementRow(NamedTuple):
     state : slow state of the sensor that adds to the output, where the model has it; empty: none
     scale_state : slow state that is its relative error of scale, where the model has it; empty: none
     is_gated : False: never refused for being far off its prediction
+    largest_stated : largest standard deviation that the sensor may state, in its unit
     """
 
     name: str
@@ -61,6 +65,7 @@ class MeasurementRow(NamedTuple):
     state: str = ""
     scale_state: str = ""
     is_gated: bool = True
+    largest_stated: float = LARGEST_NOISE
 
 
 @dataclass(frozen=True)
@@ -156,9 +161,11 @@ class MruModelParameters(SampledSensorParameters):
 
     sees: ClassVar[str] = "boom_tip"
 
-    noise: float = parameter(0.01, unit="m", minimum=1e-5, maximum=10.0, description="White noise of heave, 1 sigma.")
+    noise: float = parameter(
+        0.01, unit="m", minimum=1e-5, maximum=LARGEST_NOISE, description="White noise of heave, 1 sigma."
+    )
     rate_noise: float = parameter(
-        0.01, unit="m/s", minimum=1e-5, maximum=10.0, description="White noise of heave rate, 1 sigma."
+        0.01, unit="m/s", minimum=1e-5, maximum=LARGEST_NOISE, description="White noise of heave rate, 1 sigma."
     )
     high_pass_period: float = parameter(
         0.0,
@@ -277,7 +284,7 @@ class VelocityModelParameters(SampledSensorParameters):
     sees: ClassVar[str] = "unit"
     component: ClassVar[int] = 2
 
-    noise: float = parameter(0.01, unit="m/s", minimum=1e-5, maximum=10.0, description="White noise, 1 sigma.")
+    noise: float = parameter(0.01, unit="m/s", minimum=1e-5, maximum=LARGEST_NOISE, description="White noise, 1 sigma.")
     rate: float = parameter(5.0, unit="Hz", minimum=0.01, maximum=1000.0, description="Readings per second.")
 
     def rows(self) -> tuple[MeasurementRow, ...]:
@@ -293,7 +300,9 @@ class ImuModelParameters(SampledSensorParameters):
     component: ClassVar[int] = 2
     includes_gravity: ClassVar[bool] = True
 
-    noise: float = parameter(0.02, unit="m/s^2", minimum=1e-5, maximum=10.0, description="White noise, 1 sigma.")
+    noise: float = parameter(
+        0.02, unit="m/s^2", minimum=1e-5, maximum=LARGEST_NOISE, description="White noise, 1 sigma."
+    )
 
     def rows(self) -> tuple[MeasurementRow, ...]:
         """Tell the unit's acceleration."""

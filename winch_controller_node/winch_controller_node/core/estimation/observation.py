@@ -252,7 +252,12 @@ class Observer:
                 found.append(gate.slow_alarm)
         named = [(INDEX[row.name], name, row) for name, one in self._sensors.in_use.items() for row in one.rows()]
         found += [self._high(sensor, row, place) for place, sensor, row in named if self._noises["factor"][place] > 0.0]
-        found += [self._quiet(sensor, row, place) for place, sensor, row in named if self._noises["news"][place]]
+        for place, sensor, row in named:
+            of_noise = int(self._noises["news"][place])
+            if of_noise & News.ACCURACY_REFUSED:
+                found.append(self._refused(sensor, row, place))
+            if of_noise & News.NOISE_LOW:
+                found.append(self._quiet(sensor, row, place))
         if news & News.UNEXPLAINED:
             (name, mean), time = self.worst, float(self.state["disagree_time"][0])
             found.append(
@@ -277,6 +282,16 @@ class Observer:
         sigma, factor = float(noise["sigma"]), float(noise["factor"])
         code = f"{sensor.upper()}_NOISE_HIGH"
         return ALARMS.alarm(code, measurement=MEASURED_WORDS[row.name], sigma=sigma, unit=row.unit, factor=factor)
+
+    def _refused(self, sensor: str, row: MeasurementRow, place: int) -> Alarm:
+        """Return that a `sensor` states an accuracy that cannot be, of a `row` at a `place` in the core."""
+        return ALARMS.alarm(
+            f"{sensor.upper()}_ACCURACY_REJECTED",
+            measurement=MEASURED_WORDS[row.name],
+            sigma=float(self._noises[place]["refused"]),
+            unit=row.unit,
+            limit=row.largest_stated,
+        )
 
     def _quiet(self, sensor: str, row: MeasurementRow, place: int) -> Alarm:
         """Return that a measurement, a `row` of a `sensor` at a `place` in the core, is quieter than nominal."""

@@ -8,7 +8,9 @@ from typing import Any, NamedTuple
 
 from heave_core.filter_table import MEASUREMENTS
 from heave_core.look import padded
-from heave_core.sense_table import SENSORS, TRAVELS, ZeroKind
+from heave_core.sense_table import READ, SENSORS, TRAVELS, ZeroKind
+from heave_node.interface.sensors import LARGEST_PAYOUT, MRU, Water
+from heave_node.interface.sensors import SENSORS as DELIVERING
 
 from winch_controller_node.beliefs.corrections import AS_READ, Correction
 from winch_controller_node.core.estimation.loop_tick import TENSION_MEMORY
@@ -209,7 +211,11 @@ def sense_design(
             "coast_time": parameters.modes.coast_time,
         },
         "sea": seas.sea_design(design),
-        "sensors": [_sensor(place, sensors, corrections, dt) for place in range(SENSORS)],
+        "sensors": [
+            _sensor(place, sensors, corrections, dt)
+            | {"largest": _largest(place, Water(parameters.water_density, parameters.gravity))}
+            for place in range(SENSORS)
+        ],
         "measured": [_measured(place, sensors, estimator, dt) for place in range(MEASUREMENTS)],
     }
 
@@ -221,7 +227,7 @@ ZEROS = {
 }
 
 
-NOT_MEASURED = {"sensor": -1, "which": -1, "nominal": 1.0, "sigma": 1.0} | dict.fromkeys(
+NOT_MEASURED = {"sensor": -1, "which": -1, "nominal": 1.0, "sigma": 1.0, "largest_stated": 1.0} | dict.fromkeys(
     ("has_noise", "is_judged", "stretches", "is_compared", "row", "change", "bend"), 0
 )
 """A place of the core's measurements that no sensor has."""
@@ -252,6 +258,16 @@ def _sensor(place: int, sensors: SensorsWatched, corrections: Mapping[str, Corre
     }
 
 
+def _largest(place: int, water: Water) -> tuple[float, ...]:
+    """Return the largest magnitudes that the numbers of a reading can have, of the sensor at a `place` of the core."""
+    name = KNOWN_SENSORS[place] if place < len(KNOWN_SENSORS) else ""
+    if name not in DELIVERING:
+        return (LARGEST_PAYOUT if name == "encoder" else math.inf,) * READ
+    largest = DELIVERING[name].largest_values(water)
+    # a scalar reading is one of the values
+    return largest[:READ] if name == MRU.name else (largest[KnownSensors().by_name()[name].component],) * READ
+
+
 def _measured(place: int, sensors: SensorsWatched, estimator: KalmanEstimator, dt: float) -> dict[str, Any]:
     """Return the values of the core's Measured at a `place`."""
     name = ROWS[place] if place < len(ROWS) else ""
@@ -270,6 +286,7 @@ def _measured(place: int, sensors: SensorsWatched, estimator: KalmanEstimator, d
         "stretches": row.output == "unit_heave",
         "is_compared": name != ENCODER_ROW,
         "nominal": row.sigma,
+        "largest_stated": row.largest_stated,
         "sigma": row.sigma if known is None else known.sigma,
         **{field: padded(one) for field, one in zip(("row", "change", "bend"), rows, strict=True)},
     }

@@ -24,6 +24,7 @@ STALE, ABSENT = "stale", "absent"
 LOST_STATES = {
     ABSENT: "ABSENT",
     "nan": "NOT_A_NUMBER",
+    "out of range": "OUT_OF_RANGE",
     "wrong stamp": "BAD_STAMP",
     "late": "OUT_OF_ORDER",
     "frozen": "FROZEN",
@@ -35,6 +36,7 @@ LOST_STATES = {
 
 REJECTED_WORDS = {
     "nan": "it is not a number",
+    "out of range": "it is larger than any that can be",
     "wrong stamp": "its time stamp is missing or ahead of the clock",
     "late": "it is out of order",
     "spike": "it is far from the estimate",
@@ -55,6 +57,7 @@ REASONS = {
     Reason.JUMP: "jump",
     Reason.STALE: STALE,
     Reason.DELAYED: "delayed",
+    Reason.OUT_OF_RANGE: "out of range",
     Reason.STATUS + MruStatus.SETTLING: "status settling",
     Reason.STATUS + MruStatus.INVALID: "status invalid",
 }
