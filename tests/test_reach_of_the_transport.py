@@ -38,25 +38,26 @@ def started():
 STRANGER = """
 import sys, time
 import rclpy
-from heave_msgs.msg import WinchCommand, WinchState
+from heave_msgs.msg import WinchState
+from lifecycle_msgs.srv import GetState
 wanted, seconds = sys.argv[1] == "matched", float(sys.argv[2])
 rclpy.init()
 node = rclpy.create_node("stranger")
 heard = []
-command = node.create_publisher(WinchCommand, "winch/command", 10)
+life = node.create_client(GetState, "virtual_winch/get_state")
 state = node.create_subscription(WinchState, "winch/state", heard.append, 10)
 end = time.monotonic() + seconds
 def is_matched():
-    return command.get_subscription_count() > 0 and state.get_publisher_count() > 0
+    return life.service_is_ready() and state.get_publisher_count() > 0
 while time.monotonic() < end and not (wanted and is_matched()):
     rclpy.spin_once(node, timeout_sec=0.1)
 names = sorted(name for name in node.get_node_names() if name != "stranger")
-print(command.get_subscription_count(), state.get_publisher_count(), len(heard), names)
+print(int(life.service_is_ready()), state.get_publisher_count(), len(heard), names)
 """
 
 
 def stranger(host: Host, outcome: str, seconds: float, **environment: str) -> str:
-    """Let a stranger look for the winch and return what it matched: readers of its command, publishers of the state,
+    """Let a stranger look for the winch and return what it matched: the winch's service, publishers of its state,
     states heard, names of nodes. It looks for `seconds`, and no longer where it is to be `matched`.
     """
     process = host.start(sys.executable, "-c", STRANGER, outcome, str(seconds), environment=environment)
@@ -65,8 +66,8 @@ def stranger(host: Host, outcome: str, seconds: float, **environment: str) -> st
     return out.strip()
 
 
-FOUND = ("1 1", "2 1")
-"""How what a stranger matched begins: the winch, and the recorder where both of them are found at once; one state."""
+FOUND = "1 1"
+"""How what a stranger matched begins: the winch's service and its state."""
 
 
 PROBE = """
