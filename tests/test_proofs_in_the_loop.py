@@ -53,16 +53,13 @@ class Run:
 
 def proved(delivered, scale, cable, parameters, witnesses):
     """Return what a locked winch's readings prove of an MRU that reads `scale` times what it does, by two windows."""
-    proofs, found = Proofs(parameters, cable, TICK), []
+    windows = {first: Proofs(parameters, cable, TICK) for first in (400, 800)}
     for k, one in enumerate(delivered):
-        mru = [one._replace(heave=scale * one.heave, heave_rate=scale * one.heave_rate) for one in one.mru]
+        mru = tuple(one._replace(heave=scale * one.heave, heave_rate=scale * one.heave_rate) for one in one.mru)
         scalar = {name: one.of(name) for name in witnesses}
-        # a load that does not hang is not compared: another record begins
-        proofs.step(Measurements(tuple(mru), scalar), Driven(waits=False, hangs=k >= 400 and k != 800))
-        if k == 800:
-            found.append(proofs.standing)
-            proofs.take_nominal(parameters, cable)
-    return [*found, proofs.standing]
+        for first, proofs in windows.items():  # a load that does not hang is not compared, and moves on
+            proofs.step(Measurements(mru, scalar), Driven(waits=False, hangs=k >= first))
+    return [proofs.standing for proofs in windows.values()]
 
 
 CASES = [
