@@ -75,7 +75,7 @@ def test_what_outlived_some_ticks_is_collected_too():
 
 def test_garbage_of_a_node_that_waits_is_collected_too():
     """Without ticks, as long as somebody is missing or the run is paused; what a tick leaves waits for its end."""
-    node = SimpleNamespace(on_idle=lambda: None)
+    node = SimpleNamespace(on_idle=lambda: None, look_for_hearers=lambda: None)
     collect_between_ticks()
     garbage = leave_garbage(1000)
     process._on_idle(node)
