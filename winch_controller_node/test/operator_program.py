@@ -57,6 +57,9 @@ def main() -> None:
     base = float(sys.argv[1])
     handle = operator.start_move(base + 1.0, 0.3)
     moved = operator.wait(handle.get_result_async()).result
+    end = time.monotonic() + 10.0
+    while operator.feedback[-1].time_to_go > 0.0 and time.monotonic() < end:  # DDS keeps no order of two topics
+        rclpy.spin_once(operator.node, timeout_sec=0.1)
     arrived = operator.feedback[-1]
     too_deep = operator.wait(operator.start_move(base + 500.0, 0.3).get_result_async()).result
     handle = operator.start_move(base + 20.0, 0.5)
