@@ -13,6 +13,7 @@ import time
 from heave_node.ros import process
 
 class Node:
+    has_joined = True
     def fail_on_error(self, work):
         work()
     def wait_until_heard(self):

@@ -335,7 +335,7 @@ class AnyOperatorAnyTrouble(RuleBasedStateMachine):
         controller = self.loop.controller
         highest = controller.parameters.limits.maximum_tension_ratio * controller.design.cable.static_tension
         is_over = column(row, "top_tension") > (1.0 + TENSION_EXCESS) * highest > 0.0
-        keeps = controller._supervisor.highest_tension.is_kept or controller.mode.value not in BY_LAW
+        keeps = bool(controller._supervisor._state["is_kept"][0]) or controller.mode.value not in BY_LAW
         may_give_way = (
             keeps and not outputs.order.brake and column(row, "payout") < WINCH.payout_maximum - MARGIN - ROOM
         )

@@ -53,8 +53,8 @@ def test_a_design_comes_back_equal_to_the_bit():
     assert again.parameters == design().parameters
     assert again.cable == design().cable
     assert again.sigma == design().sigma
-    assert [replace(one, row=None) for one in again.measurements] == [
-        replace(one, row=None) for one in design().measurements
+    assert [vars(replace(one, row=None)) for one in again.measurements] == [
+        vars(replace(one, row=None)) for one in design().measurements
     ]
 
 
