@@ -175,9 +175,9 @@ def test_a_case_has_a_number_that_can_be_one():
 @pytest.mark.parametrize("shape", [(2,), (3, 4), (2, 3, 4), ()])
 def test_a_kept_baseline_of_another_shape_is_none(tmp_path, shape):
     path = tmp_path / "own.npz"
-    np.savez(path, digest=np.array("d"), **dict.fromkeys(KEPT, np.zeros((2, 5))))
+    np.savez(path, digest=np.array("d"), lost=np.array(""), **dict.fromkeys(KEPT, np.zeros((2, 5))))
     assert isinstance(read_kept(path, "d").unit_heave, Signal)
-    np.savez(path, digest=np.array("d"), **dict.fromkeys(KEPT, np.zeros(shape)))
+    np.savez(path, digest=np.array("d"), lost=np.array(""), **dict.fromkeys(KEPT, np.zeros(shape)))
     assert read_kept(path, "d") is None
 
 
