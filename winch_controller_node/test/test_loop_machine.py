@@ -222,7 +222,7 @@ class AnyOperatorAnyTrouble(RuleBasedStateMachine):
             if self.tick().report.authority == 1.0:
                 break
         controller = self.loop.controller
-        may_not_begin = tension_ratio > 0.0 and "raise limits.maximum_tension_ratio" in controller.modes.obstacle
+        may_not_begin = tension_ratio > 0.0 and controller.modes.obstacle.startswith("TENSION LIMIT LOW")
         assert may_not_begin or controller.mode.value == "compensating"
 
     def troubled(self, measured):
