@@ -57,10 +57,10 @@ def test_a_landing_is_known_by_tension_where_encoder_and_depth_sensor_contradict
     """
     settings = ["all.seed=1741", "virtual_winch.drum_radius_error=0.04", "all.duration=320"]
     record = ClosedLoop(loop_parameters(load_scenario("b7_landing", settings=settings))).run()
-    (found,) = [alarm for _, alarm in record.alarms if alarm.code == "ENCODER_SCALE_ERROR"]
+    (found,) = [alarm for _, alarm in record.alarms if alarm.name == "IDENTIFIED, ENCODER: scale"]
     assert found.values["value"] == pytest.approx(0.96, abs=0.005)
     assert not any(alarm.row.part == "depth" and is_suspicion(alarm) for _, alarm in record.alarms)
     time, force = record.column("time"), record.column("touchdown_force")
-    (told,) = (when for when, alarm in record.alarms if alarm.code == "TOUCHDOWN")
+    (told,) = (when for when, alarm in record.alarms if alarm.name == "TOUCHDOWN")
     assert told - time[np.argmax(force > 0.0)] < 15.0
     assert record.modes[-1] == "constant_tension"

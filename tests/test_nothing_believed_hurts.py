@@ -57,7 +57,7 @@ class Run:
         return np.max(np.abs(heave - np.mean(heave))) + ROOM
 
     def codes(self):
-        return [alarm.code for time, alarm in self.alarms if time > self.begin]
+        return [alarm.name for time, alarm in self.alarms if time > self.begin]
 
     def inject(self, **held):
         """Have the core take what an adviser says, in each second: quantity and value."""
@@ -95,8 +95,8 @@ def test_an_encoder_that_freezes_is_lost_and_not_identified(scenario, seed):
     """It was found to read 3.7e-16 times the payout, and 50 m of wire went out at 2 m/s, while it came to rest."""
     run = Run(scenario, seed, 120.0, *frozen(120.0)).go(160.0)
     assert run.travel < run.allowed
-    assert {"DRUM_OR_ENCODER_STILL", "COMPENSATION_LOST"} <= set(run.codes())
-    assert "ENCODER_SCALE_ERROR" not in run.codes()
+    assert {"DRUM_OR_ENCODER: still", "COMPENSATION_LOST"} <= set(run.codes())
+    assert "IDENTIFIED, ENCODER: scale" not in run.codes()
     assert run.modes[-1] == "stopped"
 
 
@@ -118,8 +118,8 @@ def test_an_adviser_that_says_what_cannot_be_is_named_and_the_nominal_stays(lie)
         run.inject(values=LIES[lie])
         run.go(until)
     assert run.travel < run.allowed
-    assert run.codes().count("ADVISER_CONTRADICTED") == 1
-    (alarm,) = [alarm for _, alarm in run.alarms if alarm.code == "ADVISER_CONTRADICTED"]
+    assert run.codes().count("ADVISER_WRONG: set aside") == 1
+    (alarm,) = [alarm for _, alarm in run.alarms if alarm.name == "ADVISER_WRONG: set aside"]
     assert next(iter(LIES[lie])) in alarm.values["fault"]
     assert not run.loop.controller.beliefs.values
     assert run.modes[-1] == "compensating"
@@ -145,16 +145,16 @@ def test_an_adviser_whose_values_could_be_and_that_the_readings_contradict_is_na
         run.inject(values=INSIDE[lie])
         run.go(until)
     assert run.travel < run.allowed
-    alarms = [alarm for _, alarm in run.alarms if alarm.code == "ADVISER_CONTRADICTED"]
+    alarms = [alarm for _, alarm in run.alarms if alarm.name == "ADVISER_WRONG: set aside"]
     assert len(alarms) == 1
     assert next(iter(INSIDE[lie])) in alarms[0].values["fault"]
     assert not run.loop.controller.beliefs.values
 
 
 OF_DRUM = {
-    "virtual_winch.encoder freeze 0": ("DRUM_OR_ENCODER_STILL", "ENCODER_AT_FAULT"),
-    "virtual_winch.encoder scale -1": ("DRUM_OR_ENCODER_REVERSED", "ENCODER_AT_FAULT"),
-    "virtual_winch reverse 0": ("DRUM_OR_ENCODER_REVERSED", "DRIVE_AT_FAULT"),
+    "virtual_winch.encoder freeze 0": ("DRUM_OR_ENCODER: still", "SENSOR_LOST, ENCODER: at fault"),
+    "virtual_winch.encoder scale -1": ("DRUM_OR_ENCODER: reversed", "SENSOR_LOST, ENCODER: at fault"),
+    "virtual_winch reverse 0": ("DRUM_OR_ENCODER: reversed", "DRIVE_AT_FAULT"),
 }
 
 
@@ -172,7 +172,7 @@ def test_a_drum_that_does_not_follow_is_drive_or_encoder_until_the_depth_sensor_
     run = Run("b2_calm_300", 1, 80.0, *settings).go(90.0)
     either, who = OF_DRUM[fault]
     assert [code for code in run.codes() if code.startswith(("DRUM_OR", "ENCODER_A", "DRIVE_A"))] == [either, who]
-    assert not {"ENCODER_EXCLUDED", "ENCODER_SCALE_ERROR"} & set(run.codes())
+    assert not {"SENSOR_LOST, ENCODER: excluded", "IDENTIFIED, ENCODER: scale"} & set(run.codes())
 
 
 @pytest.mark.slow

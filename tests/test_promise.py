@@ -87,19 +87,19 @@ def has_power_limit(one: Draw) -> bool:
         ("WINCH_MODEL_UPDATED (event): power limit 24.9 kW (was none)", {}, True),
         ("WINCH_MODEL_UPDATED (event): speed limit hauling in 0.9 m/s (was 2.000)", PLAIN["power 100 kW"], False),
         ("WINCH_MODEL_UPDATED (event): gain by the encoder 0.950 (was 1.000)", PLAIN["speed 1.0"], True),
-        ("MRU_HIGH_PASS (low): x.", PLAIN["high-pass 30 s"], False),
-        ("DEPTH_EXCLUDED (medium): x.", PLAIN["high-pass 30 s"], True),
-        ("CABLE_INERTIA (medium): inertia is 1.25 times nominal.", {promise.INERTIA: 0.8}, False),
-        ("CABLE_INERTIA (medium): inertia is 1.25 times nominal.", {}, True),
-        ("MRU_SCALE_ERROR (medium): reads 0.85 times the motion. Corrected.", PLAIN["MRU scale 0.85"], False),
-        ("MRU_SCALE_ERROR (medium): reads 1.15 times the motion. Corrected.", PLAIN["MRU scale 0.85"], True),
-        ("MRU_SCALE_ERROR (medium): reads 1.03 times the motion. Corrected.", PLAIN["drum radius 3 %"], False),
-        ("MRU_SCALE_ERROR (medium): reads 0.95 times the motion. Corrected.", PLAIN["drum radius 3 %"], True),
-        ("MRU_SCALE_ERROR (medium): reads 1.04 times the motion. Corrected.", {RADIUS_ERROR: -0.025}, True),
-        ("MRU_SCALE_ERROR (medium): reads 1.04 times the motion. Corrected.", {RADIUS_ERROR: -0.01}, False),
-        ("MRU_SCALE_ERROR (medium): reads 1.04 times the motion. Corrected.", PLAIN["high-pass 30 s"], True),
-        ("MRU_NOISE_HIGH (low): noise of mru_heave is 0.05, 5.0 times nominal.", PLAIN["MRU noise x5"], False),
-        ("DEPTH_NOISE_HIGH (low): noise of unit_heave is 0.1, 5.0 times nominal.", PLAIN["MRU noise x5"], True),
+        ("IDENTIFIED, MRU (event): x.", PLAIN["high-pass 30 s"], False),
+        ("SENSOR_LOST, DEPTH (medium): x.", PLAIN["high-pass 30 s"], True),
+        ("IDENTIFIED, CABLE (event): inertia is 1.25 times nominal.", {promise.INERTIA: 0.8}, False),
+        ("IDENTIFIED, CABLE (event): inertia is 1.25 times nominal.", {}, True),
+        ("IDENTIFIED, MRU (event): reads 0.85 times the motion. Corrected.", PLAIN["MRU scale 0.85"], False),
+        ("IDENTIFIED, MRU (event): reads 1.15 times the motion. Corrected.", PLAIN["MRU scale 0.85"], True),
+        ("IDENTIFIED, MRU (event): reads 1.03 times the motion. Corrected.", PLAIN["drum radius 3 %"], False),
+        ("IDENTIFIED, MRU (event): reads 0.95 times the motion. Corrected.", PLAIN["drum radius 3 %"], True),
+        ("IDENTIFIED, MRU (event): reads 1.04 times the motion. Corrected.", {RADIUS_ERROR: -0.025}, True),
+        ("IDENTIFIED, MRU (event): reads 1.04 times the motion. Corrected.", {RADIUS_ERROR: -0.01}, False),
+        ("IDENTIFIED, MRU (event): reads 1.04 times the motion. Corrected.", PLAIN["high-pass 30 s"], True),
+        ("SENSOR_DOUBTFUL, MRU (low): noise of mru_heave is 0.05, 5.0 times nominal.", PLAIN["MRU noise x5"], False),
+        ("SENSOR_DOUBTFUL, DEPTH (low): noise of unit_heave is 0.1, 5.0 times nominal.", PLAIN["MRU noise x5"], True),
         (TOLD_LIMIT.format("1.200"), {LIMIT: 1.48}, True),
         (TOLD_LIMIT.format("1.200"), {LIMIT: 1.6, "virtual_winch.hauling_acceleration_share": 0.8}, False),
         (TOLD_GAIN.format("1.117"), {GAIN: 0.9}, True),
@@ -259,7 +259,7 @@ def test_a_noisy_sensor_is_not_blamed_before_its_noise_is_known(number):
     """
     scenario = load_scenario(SCENARIO, settings=parameters_of(draw(number), duration=16.0))
     alarms = [alarm for _, alarm in ClosedLoop(loop_parameters(scenario)).run().alarms]
-    assert "DEPTH_NOISE_HIGH" in {alarm.code for alarm in alarms}
+    assert "SENSOR_DOUBTFUL, DEPTH: noise" in {alarm.name for alarm in alarms}
     assert not any(is_suspicion(alarm) for alarm in alarms)
 
 
@@ -267,8 +267,8 @@ def test_noise_is_not_taken_for_a_short_sea_while_that_begins():
     """Five times the assumed noise, the sea as assumed: a peak period of 6 s for 10 s was learnt in a calm start."""
     noisy = PLAIN["MRU and depth noise x5"]
     scenario = load_scenario(SCENARIO, settings=parameters_of(Draw("noise", 1, noisy), duration=20.0))
-    codes = {alarm.code for _, alarm in ClosedLoop(loop_parameters(scenario)).run().alarms}
-    assert "MRU_NOISE_HIGH" in codes
+    codes = {alarm.name for _, alarm in ClosedLoop(loop_parameters(scenario)).run().alarms}
+    assert "SENSOR_DOUBTFUL, MRU: noise" in codes
     assert "SEA_MODEL_UPDATED" not in codes
 
 
@@ -294,7 +294,7 @@ def test_a_part_of_the_sea_that_is_left_alone_is_told_until_its_period_is_known(
     settings = ["wave_vessel.significant_wave_height=3.0", "wave_vessel.peak_period=10.0", "all.transient=10"]
     scenario = load_scenario("b2_calm_300", settings=[*settings, "all.duration=70.0"])
     loop = ClosedLoop(loop_parameters(scenario))
-    alarms = [(alarm.code, alarm.values.get("percent")) for _, alarm in loop.run().alarms]
+    alarms = [(alarm.name, alarm.values.get("percent")) for _, alarm in loop.run().alarms]
     # the sea alone leaves 30 %; the drum's own error is added to it, and takes less than a hundredth
     assert alarms.count(("AUTHORITY_LIMITED", pytest.approx(30.0, abs=0.01))) == 1
     assert alarms.count(("AUTHORITY_RESTORED", pytest.approx(100.0))) == 1

@@ -77,8 +77,10 @@ def test_an_encoder_of_a_wrong_scale_is_found_by_winch_and_depth_sensor_and_comp
     compensates = dict(changes_of_mode(record))["compensating"]
     begin = max(start, compensates)
     assert worst_from(record, begin + TROUBLE) < LARGEST
-    ((time, found),) = [one for one in record.alarms if one[1].code.endswith("_SCALE_ERROR")]
-    assert (found.code, found.values["value"]) == ("ENCODER_SCALE_ERROR", pytest.approx(scale, rel=0.03))
+    ((time, found),) = [
+        one for one in record.alarms if one[1].name.startswith("IDENTIFIED") and one[1].row.reason == "scale"
+    ]
+    assert (found.name, found.values["value"]) == ("IDENTIFIED, ENCODER: scale", pytest.approx(scale, rel=0.03))
     assumed = {name: belief.value for name, belief in loop.controller.beliefs.values.items()}
     assert assumed == {"encoder.scale": pytest.approx(scale, rel=0.01)}
     assert begin < time < begin + found_within
@@ -96,10 +98,10 @@ def test_an_encoder_of_a_wrong_scale_is_found_by_winch_and_depth_sensor_and_comp
         (
             fault("encoder", "scale", 130.0, magnitude=0.5, scenario="b10_real_mru_swell"),
             8.0,
-            "ENCODER_SCALE_ERROR",
+            "IDENTIFIED, ENCODER: scale",
         ),
-        (fault("depth", "scale", 100.0, magnitude=-1.0, scenario="b2_calm_300"), 1.0, "DEPTH_SCALE_JUMP"),
-        (fault("mru", "scale", 100.0, magnitude=2.0, scenario="b2_calm_300"), 70.0, "MRU_SCALE_ERROR"),
+        (fault("depth", "scale", 100.0, magnitude=-1.0, scenario="b2_calm_300"), 1.0, "SENSOR_LOST, DEPTH: scale jump"),
+        (fault("mru", "scale", 100.0, magnitude=2.0, scenario="b2_calm_300"), 70.0, "IDENTIFIED, MRU: scale"),
     ],
     ids=["an encoder in a swell where the cable goes slack", "a depth sensor", "an mru on a short stiff cable"],
 )
@@ -107,7 +109,7 @@ def test_a_sensor_of_a_wrong_scale_leaves_the_unit_no_worse_than_off(one, found_
     """In b10 the unit was pumped to 5 m, in b2 a depth sensor that is turned over made it 1.5 times worse than off."""
     record = loop_with(one, one.start + TROUBLE + WINDOW + 40.0).run()
     assert worst_from(record, one.start + TROUBLE) < LARGEST
-    told = [time for time, alarm in record.alarms if alarm.code == code]
+    told = [time for time, alarm in record.alarms if alarm.name == code]
     assert one.start <= told[0] < one.start + found_within
     assert record.modes[-1] == "compensating"
     assert record.unit_sigma(one.start + 100.0) < 0.15 * record.uncompensated_sigma(one.start + 100.0)
@@ -123,7 +125,7 @@ def test_a_scale_that_changes_on_the_way_is_explained_from_there_on(law, seed):
     one = replace(fault("mru", "scale", 100.0, magnitude=2.0, scenario="b2_calm_300"), law=law, number=seed - 1)
     record = loop_with(one, 230.0).run()
     assert worst_from(record, one.start + TROUBLE) < 0.95
-    told = next(time for time, alarm in record.alarms if alarm.code == "MRU_SCALE_ERROR")
+    told = next(time for time, alarm in record.alarms if alarm.name == "IDENTIFIED, MRU: scale")
     assert told < one.start + 45.0
     assert set(record.modes[round((told + 20.0) / TICK) :]) == {"compensating"}
 
@@ -178,7 +180,7 @@ def test_an_mru_of_a_wrong_scale_for_half_a_minute_blames_no_depth_sensor():
     record = loop_with(one, 270.0).run()
     told = [alarm for _, alarm in record.alarms if is_suspicion(alarm)]
     assert {alarm.row.part for alarm in told} == {"mru"}
-    assert "MRU_HIGH_PASS" not in {alarm.code for alarm in told}
+    assert "IDENTIFIED, MRU: high pass" not in {alarm.name for alarm in told}
     assert worst_from(record, one.start + TROUBLE) < 0.2
 
 
@@ -205,8 +207,8 @@ def test_nothing_stays_learnt_of_a_frozen_encoder():
     one = replace(fault("encoder", "freeze", 0.0, scenario="b2_calm_300"), law="lqg", number=158)
     loop = loop_with(one, 60.0)
     record = loop.run()
-    codes = {alarm.code for _, alarm in record.alarms}
-    assert "DRUM_OR_ENCODER_STILL" in codes
+    codes = {alarm.name for _, alarm in record.alarms}
+    assert "DRUM_OR_ENCODER: still" in codes
     assert "WINCH_MODEL_UPDATED" not in codes
     assumed, winch = WinchModelParameters(), loop.controller.design.parameters.winch
     assert (winch.speed_gain, winch.speed_limit) == (assumed.speed_gain, assumed.speed_limit)
@@ -255,7 +257,7 @@ def test_a_loop_whose_encoder_freezes_stops_and_tries_again_only_when_an_operato
     modes = changes_of_mode(record)
     assert [mode for mode, _ in modes] == ["standby", "compensating", "fade_out", "stopping", "stopped"]
     assert np.max(np.abs(record.column("payout_rate", after=lost + TROUBLE))) < 1e-3
-    ((time, _),) = [one for one in record.alarms if one[1].code == "DRUM_OR_ENCODER_STILL"]
+    ((time, _),) = [one for one in record.alarms if one[1].name == "DRUM_OR_ENCODER: still"]
     assert lost < time < lost + 2.0
     assert not kept(one, record).wrong
     # a drum at rest proves nothing more: the encoder is taken for good, until the drum turns unseen again
@@ -266,7 +268,7 @@ def test_a_loop_whose_encoder_freezes_stops_and_tries_again_only_when_an_operato
         taken += [] if taken[-1:] == [outputs.mode] else [outputs.mode]
         told += outputs.alarms
     assert taken == ["standby", "compensating", "fade_out", "stopping", "stopped"]
-    assert [alarm.code for alarm in told].count("DRUM_OR_ENCODER_STILL") == 1
+    assert [alarm.name for alarm in told].count("DRUM_OR_ENCODER: still") == 1
 
 
 # the campaign
@@ -353,12 +355,12 @@ def test_a_draw_is_the_same_each_time_and_a_fault_that_its_sensor_can_have():
 @pytest.mark.parametrize(
     ("words", "blamed"),
     [
-        ("ENCODER_SCALE_ERROR (medium): reads 0.50 times the payout. Corrected.", ["encoder"]),
-        ("ENCODER_AT_FAULT (high): x.", ["encoder"]),
-        ("9.0 s: MRU_EXCLUDED (high): x.", ["mru"]),
-        ("DRUM_OR_ENCODER_STILL (high): x.", []),
-        ("LOAD_CELL_READING_REJECTED (low): x.", ["load_cell"]),
-        ("CABLE_INERTIA (medium): inertia is 1.25 times nominal.", ["cable"]),
+        ("IDENTIFIED, ENCODER (event): reads 0.50 times the payout. Corrected.", ["encoder"]),
+        ("SENSOR_LOST, ENCODER (high): x.", ["encoder"]),
+        ("9.0 s: SENSOR_LOST, MRU (high): x.", ["mru"]),
+        ("DRUM_OR_ENCODER (high): x.", []),
+        ("SENSOR_DOUBTFUL, LOAD_CELL (low): x.", ["load_cell"]),
+        ("IDENTIFIED, CABLE (event): inertia is 1.25 times nominal.", ["cable"]),
         ("WINCH_MODEL_UPDATED (event): gain by the encoder 0.950 (was 1.000).", ["winch or encoder"]),
         (
             "WINCH_MODEL_UPDATED (event): gain by the encoder 0.950 (was 1.000), speed limit 1.000 m/s (was 2.000).",
@@ -367,7 +369,7 @@ def test_a_draw_is_the_same_each_time_and_a_fault_that_its_sensor_can_have():
         ("COMPENSATION_LOST (high): mode fade_out: encoder frozen.", []),
         ("SEA_MODEL_UPDATED (event): peak period 9.0 s (was 8.0).", []),
         ("CABLE_SLACK (medium): tension 1.0 kN.", []),
-        ("DEPTH_EXCLUDED (medium): one.; CABLE_DAMPING (low): two.", ["depth", "cable"]),
+        ("SENSOR_LOST, DEPTH (medium): one.; IDENTIFIED, CABLE (event): two.", ["depth", "cable"]),
     ],
 )
 def test_whom_an_alarm_blames(words, blamed):

@@ -42,7 +42,7 @@ def test_a_winch_that_is_several_times_off_is_known_within_half_a_minute_and_hol
     assert {q: v for q, v in assumed.items() if q != f"winch.{name}" and not q.startswith("sea.")} == {
         q: pytest.approx(v, abs=0.01) for q, v in others.items() if q in assumed and q != f"winch.{name}"
     }
-    told = [time for time, alarm in record.alarms if is_suspicion(alarm) or alarm.code.endswith("_MODEL_UPDATED")]
+    told = [time for time, alarm in record.alarms if is_suspicion(alarm) or alarm.name.endswith("_MODEL_UPDATED")]
     assert told
     assert told[0] < begins + 30.0
 

@@ -42,11 +42,11 @@ def test_a_winch_of_a_quarter_of_the_assumed_speed_is_identified_before_the_enve
     scenario = load_scenario("b3_deep_900", settings=["all.duration=100", "virtual_winch.speed_limit=0.5"])
     record = ClosedLoop(loop_parameters(scenario)).run()
     assert record.modes[-1] == "compensating"
-    codes = {alarm.code for _, alarm in record.alarms}
-    said = [alarm.values["changes"] for _, alarm in record.alarms if alarm.code == "WINCH_MODEL_UPDATED"]
+    codes = {alarm.name for _, alarm in record.alarms}
+    said = [alarm.values["changes"] for _, alarm in record.alarms if alarm.name == "WINCH_MODEL_UPDATED"]
     limits = [float(limit) for text in said for limit in re.findall(r"speed limit [a-z ]*([\d.]+)", text)]
     assert limits == pytest.approx([0.5], rel=0.01), "of the direction that has reached it, and as it is"
-    assert not codes & {"ORDER_TOO_FAR", "ORDER_TOO_FAST", "COMPENSATION_LOST"}
+    assert not codes & {"ORDER_REPLACED: too far", "ORDER_REPLACED: too fast", "COMPENSATION_LOST"}
 
 
 OTHERWISE = {

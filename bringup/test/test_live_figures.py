@@ -117,7 +117,7 @@ def test_a_stop_for_another_reason_than_the_loss_is_told_as_well():
 
 def test_a_lost_sensor_is_told_once_by_the_controllers_alarms():
     """The part of the sensor says the same, up to a second later."""
-    lost, monitor = "MRU_FROZEN (high): readings do not change. Compensation fades out.", listener()
+    lost, monitor = "SENSOR_LOST, MRU (high): readings do not change. Compensation fades out.", listener()
     sensor = DiagnosticStatus(level=DiagnosticStatus.ERROR, name="winch_controller: sensor mru", message=lost)
     told = KeyValue(key="t = 9.80 s", value=lost)
     alarms = DiagnosticStatus(level=DiagnosticStatus.WARN, name=ALARMS_PART, message="1", values=[told])
@@ -128,7 +128,10 @@ def test_a_lost_sensor_is_told_once_by_the_controllers_alarms():
 
 
 def test_a_critical_alarm_is_an_error_of_the_run_in_whatever_mode():
-    monitor, lines = listener(), ("DRUM_NOT_HELD (critical): drum turns.", "DEPTH_SLOW (low): one reading a second.")
+    monitor, lines = (
+        listener(),
+        ("DRUM_NOT_HELD (critical): drum turns.", "SENSOR_DOUBTFUL, DEPTH (low): one reading a second."),
+    )
     values = [KeyValue(key="t = 9.80 s", value=line) for line in lines]
     alarms = DiagnosticStatus(level=DiagnosticStatus.WARN, name=ALARMS_PART, message="2", values=values)
     off = DiagnosticStatus(name=MODE_PART, message="off")

@@ -280,28 +280,13 @@ def _is_finding(alarm: Alarm) -> bool:
     return is_updated or alarm.code.startswith("COMMANDS_") or bool(blamed_by(read))
 
 
-LOST = (
-    "STALE",
-    "LATE",
-    "ABSENT",
-    "NOT_A_NUMBER",
-    "OUT_OF_RANGE",
-    "BAD_STAMP",
-    "OUT_OF_ORDER",
-    "FROZEN",
-    "SPIKES",
-    "JUMPS",
-)
-"""How a sensor is lost: the rest of a code that begins with the sensor."""
-QUALITY = ("SETTLING", "FAULT", "SLOW", "NOISE_HIGH")
-"""What a sensor reports of itself, or how its readings come."""
-
-
 def is_suspicion(alarm: Alarm) -> bool:
     """Tell whether a raised `alarm` says that a sensor or the cable is not as assumed, other than a lost sensor."""
     (read,) = alarms_in(str(alarm))
-    is_lost = alarm.code.removeprefix(f"{alarm.row.part.upper()}_") in (*LOST, *QUALITY)
-    return bool(blamed_by(read, noise=False)) and not is_lost and alarm.code != "WINCH_MODEL_UPDATED"
+    is_lost = alarm.code.startswith("SENSOR_LOST") and alarm.row.reason not in ("excluded", "scale jump", "at fault")
+    comes_badly = alarm.code.startswith("SENSOR_DOUBTFUL") and alarm.row.reason in ("slow", "noise")
+    is_quality = is_lost or comes_badly or alarm.code == "WINCH_MODEL_UPDATED"
+    return bool(blamed_by(read, noise=False)) and not is_quality
 
 
 @dataclass(frozen=True)
@@ -385,8 +370,8 @@ def named_values(words: str) -> list[tuple[str, float]]:
     for alarm in alarms_in(words):
         if alarm.code == "WINCH_MODEL_UPDATED":
             found += changes_in(alarm.text)
-        elif alarm.code == "MRU_SCALE_ERROR":
-            found.append(("mru or drum", float(re.findall(r"reads (-?[\d.]+) times", alarm.text)[0])))
+        elif alarm.code == "IDENTIFIED, MRU":
+            found += [("mru or drum", float(value)) for value in re.findall(r"reads (-?[\d.]+) times", alarm.text)]
     return found
 
 

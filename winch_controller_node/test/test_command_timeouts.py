@@ -48,12 +48,12 @@ def test_of_a_link_that_is_cut_for_seconds_it_is_told_once_that_the_winch_takes_
     scenario = load_scenario("b4_limit_900_tp8", settings=["all.seed=57", "all.duration=45", *settings])
     told = [(time, alarm) for time, alarm in ClosedLoop(loop_parameters(scenario)).run().alarms if time > 30.0]
     beside = ("COMMANDS_CUT", "LOAD_SWINGS")
-    (_, stopped), (resumed, resumes) = [one for one in told if one[1].code not in beside][:2]
+    (_, stopped), (resumed, resumes) = [one for one in told if one[1].name not in beside][:2]
     assert (stopped.code, stopped.values["mode"]) == ("COMPENSATION_LOST", "stopped")
     assert "winch took none for 0.50 s" in stopped.values["reason"]
     assert resumes.code == RESUMED
     assert resumed > 30.0 + 8.0 + WAIT
-    assert not {alarm.code for _, alarm in told} & {"COMMANDS_LATE", "COMMANDS_OFTEN_LATE"}
+    assert not {alarm.name for _, alarm in told} & {"COMMANDS_LATE: delay", "COMMANDS_LATE: often"}
     modes = [alarm.values["mode"] for _, alarm in told if "mode" in alarm.values]
     assert modes[-1] == "compensating"
 
@@ -77,7 +77,7 @@ def test_a_machine_that_is_late_too_often_is_told_once_with_its_share():
     """3 commands late in each 20: never most of two seconds, but 15 % of a minute."""
     late, told = late_in_bursts(3, 20, 12_000)
     (alarm,) = told
-    assert alarm.code == "COMMANDS_OFTEN_LATE"
+    assert alarm.name == "COMMANDS_LATE: often"
     # reported with the first share above 10 % of 1,200 commands
     assert alarm.values == {"percent": pytest.approx(10.0, abs=0.1), "window": 60.0, "largest": pytest.approx(DT)}
     assert late.is_reported

@@ -244,10 +244,10 @@ def test_a_landing_while_the_depth_sensor_is_frozen_is_told_and_known_before_the
         "all.duration=120.0",
     ]
     record = ClosedLoop(loop_parameters(load_scenario("b7_landing", settings=settings))).run()
-    codes = [alarm.code for _, alarm in record.alarms]
+    codes = [alarm.name for _, alarm in record.alarms]
     force, time = record.column("touchdown_force"), record.column("time")
     contact = time[np.argmax(force > 0.0)]
-    touchdown = next(known for known, alarm in record.alarms if alarm.code == "TOUCHDOWN")
+    touchdown = next(known for known, alarm in record.alarms if alarm.name == "TOUCHDOWN")
     assert contact < touchdown < contact + 16.0
     assert record.modes[-1] == "constant_tension"
     assert np.max(record.column("slack_segments")) == 0.0

@@ -145,7 +145,7 @@ def why_not_in_force(record: RunRecord, values: Mapping[str, float]) -> list[str
     alarms = [one.name for one in record.alarms if one.level == ERROR and one.name.startswith(OF_CONTROLLER)]
     # an alarm whose consequence changes is reported again: its code says enough here
     codes = dict.fromkeys(code for name in alarms for code in [one.code for one in alarms_in(name)] or [name])
-    raised = f". Alarms: {', '.join(list(codes)[:MOST_LISTED])}" if codes else ""
+    raised = f". Alarms: {'; '.join(list(codes)[:MOST_LISTED])}" if codes else ""
     return [f"Compensation {how}. Reasons: {'; '.join(_reasons(record, waits))}{raised}"]
 
 
