@@ -2,10 +2,7 @@
 
 import pytest
 from winch_controller_node.advice.watch import STEADY, AdviserWatch
-from winch_controller_node.beliefs.beliefs import LATENCY, Beliefs, latency_ticks
-from winch_controller_node.core.component import WinchController
-from winch_controller_node.interface.readings import Measurements
-from winch_controller_node.node_parameters import WinchControllerParameters
+from winch_controller_node.beliefs.beliefs import LATENCY, latency_ticks
 
 DT = 0.05
 
@@ -14,24 +11,6 @@ DT = 0.05
 def test_an_answer_is_in_force_a_second_after_its_observations_and_two_ticks_at_least(period, ticks):
     assert LATENCY == 1.0
     assert latency_ticks(period) == ticks
-
-
-def test_a_late_answer_is_refused_and_counted_and_what_is_in_force_stays():
-    """After tick 45 the answer to the batch of tick 20 is five ticks late; that to tick 26 is due in tick 46."""
-    controller = WinchController(WinchControllerParameters(law="lqg"), tick_period=DT)
-    for tick in range(1, 46):
-        controller.step(tick, Measurements())
-    before = controller.beliefs
-    assert not controller.take(Beliefs(asked=20, number=1))
-    assert not controller.take(Beliefs(asked=25, number=1))
-    assert controller._beliefs.refused == 2
-    assert controller.beliefs is before
-    answer = Beliefs(asked=26, number=1)
-    assert controller.take(answer)
-    assert controller.beliefs is before
-    controller.step(46, Measurements())
-    assert controller.beliefs is answer
-    assert controller._beliefs.refused == 2
 
 
 def alarms_of(watch, first, last):

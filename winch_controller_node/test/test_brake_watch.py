@@ -7,8 +7,6 @@ import pytest
 from heave_node.interface.alarm import Severity
 from heave_node.interface.codes import WinchFault
 from heave_node.interface.sensors import MruReading
-from hypothesis import given
-from hypothesis import strategies as st
 from winch_controller_node.core.envelope import Asked, OrderEnvelope
 from winch_controller_node.core.supervision.modes import Mode
 from winch_controller_node.core.supervision.proof_design import FALL_WINDOW
@@ -217,15 +215,6 @@ def test_a_drum_that_slips_is_told_at_the_highest_severity_within_a_third_of_a_s
     assert abs(way) < max(0.05, 2.0 * abs(rate) * TICK) + 1e-9
     assert time - begin < max(0.3, 0.032 / abs(rate)) + 1e-9
     assert len(drum.alarms) == 1
-
-
-@given(st.floats(-5.0, 5.0).filter(lambda jump: abs(jump) > 0.02))
-def test_a_jump_of_the_count_is_no_motion(jump):
-    drum = Braked()
-    drum.rest(5.0)
-    drum.tick(jump=jump)
-    drum.rest(5.0)
-    assert drum.codes == []
 
 
 @pytest.mark.parametrize("speed", [0.2, -0.2, 0.1])
