@@ -29,7 +29,7 @@ from heave_studies.whatif.record import SensorRecord
 from heave_studies.whatif.twin import Asked
 from winch_controller_node.interface.readings import Measurements, Outputs
 
-from tests.campaigns.commit import commit_line
+from tests.campaigns.in_process import commit_line
 
 SCENARIOS = ("b2_calm_300", "b3_deep_900", "b4_limit_900_tp10", "b10_real_mru_swell")
 RECORDED = ("off", "off", "mpc", "industrial", "lqg")
