@@ -31,12 +31,9 @@ from tests.campaigns.fault_matrix.judge import (
     blamed,
     envelope_ratio,
     held_for,
-    leaky,
     named_after,
     path_of,
     rest_after,
-    rolling_largest,
-    rolling_range,
     travel_ratio,
     unit_ratio,
 )
@@ -77,12 +74,6 @@ def test_the_drum_is_at_rest_from_when_on_it_stands_under_its_brake_for_five_sec
     assert rest_after(TIME, np.where(slips, 0.05, rate), brake, BEGIN) == pytest.approx(10.0)
     assert rest_after(TIME, rate, brake, 120.0) == 0.0
     assert rest_after(TIME, rate, np.zeros_like(brake), BEGIN) == math.inf
-
-
-def test_heave_of_the_minute_is_largest_less_least_of_what_there_is():
-    values = np.array([0.0, 1.0, -2.0, 0.0, 0.5, 0.5])
-    np.testing.assert_array_equal(rolling_range(values, 3), [0.0, 1.0, 3.0, 3.0, 2.5, 0.5])
-    np.testing.assert_array_equal(rolling_largest(values, 3), [0.0, 1.0, 1.0, 1.0, 0.5, 0.5])
 
 
 def test_a_drum_that_follows_the_sea_travels_no_more_than_the_heave_and_one_that_runs_on_does():
@@ -134,14 +125,6 @@ def test_the_envelope_is_that_of_rate_and_heave_of_the_minute():
     assert envelope_ratio(TIME, gently, gently, still, Asked(12.0, 0.4), BEGIN) < 1.0, "a move comes to rest smoothly"
     assert envelope_ratio(TIME, 1.2 * gently, gently, still, Asked(12.0, 0.4), BEGIN) > 1.0
     assert envelope_ratio(TIME, 1.2 * gently, 1.2 * gently, still, Asked(12.0, 0.4), BEGIN) > 1.0, "further than asked"
-
-
-def test_an_integral_that_leaks_forgets_with_its_time_constant():
-    rate = np.zeros(2000)
-    rate[0] = 1.0 / PERIOD
-    forgets = leaky(rate, PERIOD, tau=10.0)
-    assert forgets[0] == 1.0
-    assert forgets[200] == pytest.approx(math.exp(-1.0))
 
 
 def test_the_unit_counts_from_ten_seconds_after_the_fault_on():

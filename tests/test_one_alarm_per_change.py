@@ -5,10 +5,10 @@ from dataclasses import replace
 
 import pytest
 from cable_sim_node.winch.component import make_drive
-from heave_bringup.closed_loop import ClosedLoop, loop_parameters
-from heave_bringup.scenarios import load_scenario
 from heave_node.interface.alarm import alarms_in
 from heave_studies.promise.findings import blamed_by
+
+from tests.loops import loop_of
 
 CHANGED, DURATION = 120.0, 300.0
 """When the winch changes, and end of the run [s]."""
@@ -27,13 +27,11 @@ def alarms_of(**changes):
 
     Reports that a part of the sea is not compensated meanwhile, and that commands take effect later, count as well.
     """
-    settings = [f"all.duration={DURATION}", "wave_vessel.ramp=20"]
-    parameters = loop_parameters(load_scenario("b3_deep_900", settings=settings))
-    loop = ClosedLoop(parameters)
+    loop = loop_of("b3_deep_900", {"wave_vessel.ramp": 20}, duration=DURATION)
     winch = loop.winch
 
     def change(tick, _):
-        if tick == round(CHANGED / parameters.tick_period):
+        if tick == round(CHANGED / 0.05):
             winch._parameters = replace(winch._parameters, **changes)
             drive = make_drive(winch._parameters, 0.0)
             drive.state = winch._drive.state

@@ -9,11 +9,10 @@ from heave_node.interface.alarm import Severity
 from winch_controller_node.core.supervision.proofs import Driven, Proofs, Standing
 from winch_controller_node.interface.readings import Measurements
 
+from tests.loops import fault, settings_text
+
 TICK = 0.05
-REVERSED = tuple(
-    f"wave_vessel.mru.faults.{name}=[{value}]"
-    for name, value in (("kind", "scale"), ("start", "0.0"), ("duration", "0.0"), ("magnitude", "-1.0"))
-)
+REVERSED = tuple(settings_text(fault("mru", "scale", 0.0, size=-1.0)))
 NO_DEPTH = ("cable_sim.sensors.depth.fitted=false",)
 
 
@@ -63,11 +62,11 @@ def proved(delivered, scale, cable, parameters, witnesses):
 
 
 CASES = [
-    (scenario, 11 + j, (0.5, 1.0, 2.0, 3.0)[(i + j) % 4])
+    pytest.param(scenario, 11 + j, (0.5, 1.0, 2.0, 3.0)[(i + j) % 4], marks=[pytest.mark.long] if j > 1 else [])
     for i, scenario in enumerate(("b2_calm_300", "b3_deep_900", "unit_1500", "b4_limit_900_tp10"))
     for j in range(5)
 ]
-"""Two windows each: forty."""
+"""Two windows each: forty, of which the ordinary tests have sixteen."""
 
 
 @pytest.mark.slow

@@ -149,11 +149,3 @@ def test_pressure_that_falls_and_comes_back_costs_compensation_for_a_while_and_n
     run.go(BEGIN + lasting + 160.0)
     assert run.modes[-1] == "compensating"
     assert run.ratio(BEGIN + lasting + 120.0) < 0.3
-
-
-@pytest.mark.long
-def test_an_encoder_that_is_counted_twice_is_named_within_a_minute():
-    run = Run()
-    run.inject("scale", 2.0, device="encoder")
-    run.go(BEGIN + 60.0)
-    assert any(told.startswith("ENCODER_SCALE") for _, told in run.alarms)

@@ -18,7 +18,7 @@ from heave_node.interface.alarm import Alarm, Severity
 from heave_node.interface.codes import WinchFault
 from heave_node.numerics.arrays import Array
 
-from tests.campaigns.commit import commit_line
+from tests.campaigns.in_process import commit_line
 
 FOLDER = Path(__file__).parents[1] / "museum"
 """Scenarios of the incidents."""
