@@ -8,8 +8,6 @@ import shlex
 from dataclasses import dataclass
 from pathlib import Path
 
-from mcap.reader import make_reader
-
 from heave_bags.errors import BagError
 from heave_bags.mcap.bag_writer import Attachment, BagWriter
 from heave_bags.mcap.bounds import is_packed
@@ -53,11 +51,9 @@ def repair(source: str | Path, output: str | Path, *, progress: Progress = no_pr
     for topic in bag.topics.values():
         writer.add_foreign_topic(topic, topic.schema)
     count = 0
-    for path in bag.sound_files(progress):
-        with path.open("rb") as stream:
-            for _, channel, message in make_reader(stream).iter_messages():
-                writer.write(channel.topic, message.log_time, message.data, publish_time=message.publish_time)
-                count += 1
+    for message in bag.messages(progress=progress):
+        writer.write(message.topic, message.log_time, message.data, publish_time=message.publish_time)
+        count += 1
     lost = "; ".join(str(loss) for loss in bag.losses)
     writer.close({**bag.outcome, "repaired_from": str(bag.path.name), **({"lost": lost} if lost else {})})
     return Repaired(Path(output), count, tuple(bag.losses), tuple(bag.notes))
