@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from heave_bags.errors import BagError
-from heave_bags.play.substitute_program import SUBSTITUTE, bag_played, program
 from heave_node.extras import MissingExtraError, known_parts, load_part
 from heave_node.interface import topics
 from heave_node.interface.sensors import SENSORS
@@ -25,6 +24,28 @@ if TYPE_CHECKING:
     from heave_node.run_parameters import RunParameters
 
     from heave_bringup.scenarios import Scenario
+
+
+SUBSTITUTE = "heave_bags.play.substitute_node"
+"""Module that plays a bag in the place of a node."""
+
+_BAG = "bag:="
+"""Before the path of the bag among the arguments."""
+
+
+def program(node: str, bag: Path) -> list[str]:
+    """Return the module that plays `bag` in the place of `node`, and its arguments; more of ROS may follow."""
+    return [
+        *(SUBSTITUTE, node, "--ros-args"),
+        *("-r", f"__node:={node}_from_bag"),  # the parameters of the node itself do not concern its substitute
+        *("-p", f"{_BAG}{bag}"),
+    ]
+
+
+def bag_played(arguments: Sequence[str]) -> Path:
+    """Return the bag that a `program` plays, by its module and arguments."""
+    return Path(next(one.removeprefix(_BAG) for one in arguments if one.startswith(_BAG)))
+
 
 OPTION = "--replace"
 EXTERNAL, LOCKSTEP, BAG, NONE = "external", "lockstep", "bag", "none"

@@ -79,7 +79,6 @@ from heave_bringup.cli import main
             ["study", "sea_trial", "--ask", "replace=mrv=external"],
             "heave: ask: replace mrv=external: no such node or sensor",
         ),
-        (["design", "b2_calm_300", "--length", "-5"], "heave: --length: length = -5.0 is not allowed: it must be"),
         (["identify", "b2_calm_300", "--lengths", "300", "nan"], "heave: --lengths: length = nan is not allowed"),
         (["operate", "sail"], "heave operate: argument VERB: invalid choice: 'sail'"),
         (["operate", "factor", "2"], "heave operate factor: argument F: 2: must be a number from 0 to 1"),

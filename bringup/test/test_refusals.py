@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from heave_bringup.cli import main
 from heave_bringup.errors import ExitStatus
-from heave_bringup.run.one_run import only_run_in_domain
+from heave_bringup.network import only_run_in_domain
 
 REFUSED = ExitStatus.REFUSED.value
 

@@ -10,7 +10,7 @@ from heave_node.criteria import Criterion
 
 from heave_bags.analyse import events, kpi_set
 from heave_bags.analyse.events import Interval
-from heave_bags.analyse.kpis.sources import (
+from heave_bags.analyse.kpi_set import (
     FREE_HEAVE,
     SOURCES,
     TIP_HEAVE,

@@ -9,7 +9,7 @@ from __future__ import annotations
 from heave_node.cdr.layout import Layout, LayoutError
 from heave_node.cdr.patterns import Patterns, picker
 
-from heave_bags.cdr.layouts import layouts_in_bag
+from heave_bags.cdr.columns import layouts_in_bag
 
 
 class _Cleaner:

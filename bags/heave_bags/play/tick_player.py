@@ -19,7 +19,7 @@ from heave_node.numerics.arrays import Array
 from heave_node.run_parameters import RunParameters
 from rclpy.serialization import deserialize_message
 
-from heave_bags.cdr.layouts import layouts_in_bag
+from heave_bags.cdr.columns import layouts_in_bag
 from heave_bags.errors import BagError
 from heave_bags.mcap.reader import Bag, RawMessage
 from heave_bags.play.playback import in_order_of, publisher_of

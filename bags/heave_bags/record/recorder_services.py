@@ -14,8 +14,7 @@ from rclpy.serialization import deserialize_message
 from std_srvs.srv import Trigger
 
 from heave_bags.errors import BagError
-from heave_bags.record.alarms import ALARMS
-from heave_bags.record.session import RecordingSession
+from heave_bags.record.session import ALARMS, RecordingSession
 from heave_bags.record.topic_watch import TopicWatch
 
 

@@ -10,12 +10,16 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from heave_node.interface.alarm import read_alarms
+
 from heave_bags.errors import BagError, StorageError
 from heave_bags.mcap.bag_writer import DESCRIPTION_PERIOD, BagWriter
 from heave_bags.mcap.files import SNAPSHOT
 from heave_bags.mcap.loss import RecordedLoss
 from heave_bags.mcap.ros.qos import OfferedQos
 
+ALARMS = read_alarms(Path(__file__).with_name("alarms.yaml"))
+"""Alarms of the recorder."""
 STOPPED = "after that nothing was written"
 """Why messages that came after a bag was given up are not in it."""
 

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 
 from heave_node.interface.codes import WinchLimit
 
-from heave_bags.analyse import kpi_table
+from heave_bags.analyse import kpi_set
 from heave_bags.analyse.kpis.window import Window
 from heave_bags.analyse.reading.stored import as_number, number
 from heave_bags.analyse.run_record import RunRecord
@@ -111,6 +111,6 @@ def table(records: Sequence[RunRecord]) -> str:
     values = {record.name: record.kpis() for record in records}
     keys = list(dict.fromkeys(key for record in records for key in headline(record, values[record.name])))
     notes = {key: note(records[0], key) for key in keys} if len(records) == 1 else {}
-    shown = kpi_table.table(values, {record.name: record.sources for record in records}, keys=keys, notes=notes)
+    shown = kpi_set.table(values, {record.name: record.sources for record in records}, keys=keys, notes=notes)
     why = on_industrial(records[0], values[records[0].name]) if len(records) == 1 else ""
     return f"{shown}\n{why}" if why else shown

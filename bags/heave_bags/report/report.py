@@ -13,8 +13,8 @@ from typing import Any
 
 from jinja2 import Environment, FunctionLoader, StrictUndefined, Template
 
-from heave_bags.analyse import analysis, differences, kpi_set, kpi_table, run_warnings, run_words
-from heave_bags.analyse.kpis.sources import SOURCES, source_of
+from heave_bags.analyse import analysis, differences, kpi_set, run_warnings, run_words
+from heave_bags.analyse.kpi_set import SOURCES, source_of
 from heave_bags.analyse.run_record import RunRecord
 from heave_bags.analyse.verdict import FAILED, NO_VERDICT, Verdict, judge
 from heave_bags.errors import BagError
@@ -203,7 +203,7 @@ def _tiles(record: RunRecord, values: Mapping[str, float]) -> list[dict[str, Any
 
 def _groups(columns: Sequence[Mapping[str, float]], sources: Sequence[Mapping[str, str]]) -> list[dict[str, Any]]:
     """Return the figures of merit in groups, with what each is made from; those that nobody knows are left out."""
-    shown = kpi_table.shown(columns)
+    shown = kpi_set.shown(columns)
     groups = []
     for group in kpi_set.GROUPS:
         rows = [

@@ -22,12 +22,12 @@ from heave_node.scenario import write_sections
 
 from heave_bringup.errors import AnotherRunError, CommandError, InterruptedCommandError
 from heave_bringup.interrupts import raise_if_interrupted
+from heave_bringup.network import ANOTHER_RUN, only_run_in_domain
 from heave_bringup.nodes import ADVISER, MASTER, NODE_BY_NAME, RECORDER, nodes_to_start
 from heave_bringup.progress import ProgressLine
 from heave_bringup.replacements import Replacements
 from heave_bringup.run.launcher import Launcher, NodeProcess
 from heave_bringup.run.monitor import Monitor
-from heave_bringup.run.one_run import ANOTHER_RUN, only_run_in_domain
 from heave_bringup.scenarios import STORED, Scenario
 from heave_bringup.stored_scenario import stored_sections, stored_title
 
