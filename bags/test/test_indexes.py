@@ -1,4 +1,4 @@
-"""What the index of a file says is not believed: the file is read from front to back."""
+"""What the index of a file says is not taken as true: the file is read from front to back."""
 
 from __future__ import annotations
 

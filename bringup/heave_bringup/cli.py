@@ -26,11 +26,9 @@ FULL = (errno.ENOSPC, errno.EDQUOT)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run the `heave` command; return its `ExitStatus`: 0 only when it did what it says and no verdict is FAILED.
+    """Run the `heave` command with `arguments`, without the program's name; None: those of this process.
 
-    Parameters
-    ----------
-    arguments : of the command line, without the program's name; None: those of this process
+    Returns its `ExitStatus`: 0 only when it did what it says and no verdict is FAILED.
     """
     try:
         raise_interrupts()  # nodes are ended in order
@@ -105,14 +103,10 @@ def _refused_by_the_system(error: OSError) -> int:
 
 
 def leave_out_other_ros(environment: MutableMapping[str, str], path: list[str]) -> str:
-    """Take folders with another ROS off PYTHONPATH and `path`; return in words which, "" where there is none.
+    """Take folders with another ROS off PYTHONPATH in the `environment` and off the `path` of modules, in place.
 
-    Where the suite has no ROS but that of PYTHONPATH, as built by colcon, that one stays.
-
-    Parameters
-    ----------
-    environment : of this process, and of those that it starts
-    path : where modules are looked for, in place
+    Returns in words which, "" where there is none. Where the suite has no ROS but that of PYTHONPATH, as built by
+    colcon, that one stays.
     """
     given = [folder for folder in environment.get("PYTHONPATH", "").split(os.pathsep) if folder]
     others = [folder for folder in given if _has_ros(folder)]

@@ -18,11 +18,8 @@ LARGEST_DOMAIN = 232
 
 
 def set_up_transport(*, network: bool) -> None:
-    """Set up the transport of this command and of the nodes it starts; say on the terminal where it is not loopback.
-
-    Parameters
-    ----------
-    network : open it to other hosts
+    """Set up the transport of this command and of the nodes it starts, open to other hosts for a `network`; say on the
+    terminal where it is not loopback.
 
     Raises ParameterError for a ROS domain that is none.
     """

@@ -26,11 +26,8 @@ DISTRIBUTIONS = ("heave", "heave-bringup")
 
 
 class VersionAction(argparse.Action):
-    """Prints the version and, where it is known, the git commit; both are looked for only then.
-
-    Parameters
-    ----------
-    option_strings, dest : as argparse gives them
+    """Prints the version and, where it is known, the git commit; both are looked for only then. `option_strings` and
+    `dest` are as argparse gives them.
     """
 
     def __init__(self, option_strings: list[str], dest: str) -> None:
@@ -69,12 +66,8 @@ class OneLineParser(argparse.ArgumentParser):
     """Complains in one line, each subcommand of its own arguments."""
 
     def parse_known_args(self, args: Sequence[str] | None = None, namespace: Any = None) -> tuple[Any, list[str]]:  # type: ignore[override]
-        """Parse as the base class does, but refuse what is not known here: the subcommand's help is the one to read.
-
-        Parameters
-        ----------
-        args : of the command line; None: those of this process
-        namespace : to which the options are added; None: a new one
+        """Parse `args` into a `namespace` as the base class does, but refuse what is not known here: the subcommand's
+        help is the one to read.
         """
         options, unknown = super().parse_known_args(args, namespace)
         if unknown:
@@ -115,10 +108,8 @@ class OneLineParser(argparse.ArgumentParser):
 def make_parser(words: Sequence[str] = ()) -> argparse.ArgumentParser:
     """Return the parser of the whole command; the chosen subcommand's function is in `execute`.
 
-    Parameters
-    ----------
-    words : of a command line that is to be parsed: other subcommands than its own are left without their arguments,
-        which take 15 ms; empty: all have theirs
+    Of a command line in `words` the other subcommands than its own are left without their arguments, which take 15 ms;
+    without words all have theirs.
     """
     parser = OneLineParser(
         prog="heave",

@@ -107,14 +107,8 @@ class Replacements:
 
 
 def add_replace(parser: argparse.ArgumentParser, help_: str, forms: str = FORMS, *, required: bool = False) -> None:
-    """Let the user of a command replace nodes.
-
-    Parameters
-    ----------
-    parser : of the command
-    help_ : of the option
-    forms : that are possible
-    required : at least one must be given
+    """Let the user of a command, by its `parser`, replace nodes in the `forms` that are possible; `help_` is of the
+    option, and `required`: at least one must be given.
     """
     parser.add_argument(
         OPTION, action="append", default=[], metavar=f"NODE={forms}", required=required, help=help_.replace("%", "%%")
@@ -199,10 +193,8 @@ def _of_extra(node: str, kind: str, detail: str, source: str) -> list[str]:
 def external_settings(texts: Sequence[str], source: str = "") -> list[Setting]:
     """Return the changes by which real parts take the places of simulated ones, and the controller expects latencies.
 
-    Parameters
-    ----------
-    texts : NODE[=CLOCK[:LATENCY]] each, or a sensor's topic in the place of NODE
-    source : what the user wrote, to open error messages; "": the option of a command line
+    Each of `texts` is NODE[=CLOCK[:LATENCY]], or a sensor's topic in the place of NODE. `source` is what the user
+    wrote, to open error messages; "": the option of a command line.
     """
     source = source or " ".join(f"{OPTION} {text.partition('=')[0]}={EXTERNAL}" for text in texts)
     names = [text.partition("=")[0] for text in texts]

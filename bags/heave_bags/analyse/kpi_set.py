@@ -319,12 +319,8 @@ def shown(columns: Sequence[Mapping[str, float]]) -> list[KpiDefinition]:
 
 
 def as_seen(values: Mapping[str, float], pacing: str) -> dict[str, float]:
-    """Return the KPIs of a run as people see them: in lockstep without those of wall time, which has no effect there.
-
-    Parameters
-    ----------
-    values : KPIs by key
-    pacing : of the run, as its bag says; "": unknown
+    """Return the `values` of a run by key as people see them: where its `pacing` is lockstep, without those of wall
+    time, which has no effect there.
     """
     left_out = OF_WALL_TIME if pacing == LOCKSTEP else ()
     return {key: math.nan if key in left_out else value for key, value in values.items()}

@@ -132,13 +132,8 @@ def _steps(modes: Sequence[Interval]) -> Samples:
 
 
 def topic_samples(bag: Bag, topics: Sequence[str], progress: Progress = no_progress) -> dict[str, Samples]:
-    """Return every number and short text of `topics` of a bag by `topic.field`.
-
-    Parameters
-    ----------
-    bag : to read
-    topics : names, full or their ends
-    progress : called with the share of the bag that is read
+    """Return every number and short text of `topics`, full names or their ends, of a `bag` by `topic.field`; `progress`
+    is given the share that is read.
 
     Raises BagError for a topic that is not there, and for more bytes than an analysis takes.
     """

@@ -303,15 +303,12 @@ class Bag:
         end: int = LATEST_TIME,
         progress: Progress = no_progress,
     ) -> Iterator[RawMessage]:
-        """Yield messages in the order of their log times; in that of its files where the clock of a run was reset.
+        """Yield messages of `topics`, full names or their ends, None: all, with log times from `start` to `end` [ns],
+        in order.
 
-        Parameters
-        ----------
-        topics : names, full or their ends; all if None
-        start, end : log times [ns]
-        progress : called with the share of the bag that is read
-
-        After the pass, `losses` holds what could not be read, and `notes` what else a reader must know.
+        That is the order of their log times; that of its files where the clock of a run was reset. `progress` is called
+        with the share of the bag that is read. After the pass, `losses` holds what could not be read, and `notes` what
+        else a reader must know.
         """
         wanted = None if topics is None else {self.resolve(topic) for topic in topics}
         checked = self._check(lambda share: progress(0.5 * share))

@@ -73,16 +73,12 @@ def _seldom_active(record: RunRecord) -> str:
 
 
 def on_industrial(record: RunRecord, values: Mapping[str, float]) -> str:
-    """Return what must be known of the baseline law's efficiencies; "": nothing.
+    """Return what must be known of the baseline law's efficiencies in the run `record` with figures of merit `values`;
+    "": nothing.
 
     It may have lost compensation, or the load may swing more than the rope at the boom tip: nothing in that law damps
     the load. Its swing from before compensation, and what the rope at the boom tip adds at its natural period, die by
     drag alone: T = 2 pi sqrt((m + m_a + m_rope / 3) L / EA).
-
-    Parameters
-    ----------
-    record : of the run
-    values : its figures of merit (`RunRecord.kpis`)
     """
     if (active := _seldom_active(record)) and record.signals.baseline is not None:
         lost = f", lost {record.signals.baseline.lost}" if record.signals.baseline.lost else ""

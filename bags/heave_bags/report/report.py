@@ -93,12 +93,8 @@ def _as_script(data: Any) -> str:
 def render_page(title: str, body: str, figures: Sequence[Figure], footer: str) -> str:
     """Return a page of another study as HTML, which opens offline, zooms and prints as a report of a run does.
 
-    Parameters
-    ----------
-    title : of the page
-    body : HTML, with the places of the figures (`place_figure`)
-    figures : in the order of their places
-    footer : a line at the end
+    It has a `title`, a `body` of HTML with the places of the `figures` in order (`place_figure`), and a line at the
+    end, `footer`.
     """
     return _page("study.html", figures, title=title, body=body, footer=footer)
 
@@ -112,13 +108,8 @@ def place_figure(figure: Figure, figures: list[Figure]) -> str:
 def page_content(
     records: Sequence[RunRecord], figures: list[Figure], verdicts: Sequence[Verdict] = ()
 ) -> dict[str, Any]:
-    """Return what the page of `records` says.
-
-    Parameters
-    ----------
-    records : of the runs
-    figures : those that the page's script draws are added
-    verdicts : as for `save_report`
+    """Return what the page of `records` says, with `verdicts` as for `save_report`; the `figures` that the page's
+    script draws are added.
     """
     labels = differences.labels(records)
     lift = lift_drawing(records[0]) if len(records) == 1 else None

@@ -218,13 +218,8 @@ def winch_figure(record: RunRecord) -> Figure:
 
 
 def _identified_limit(record: RunRecord, quantity: str, axis: str) -> list[dict[str, Any]]:
-    """Return a limit of the winch that was learnt in the run `record` as two lines, in steps; nothing where none was.
-
-    Parameters
-    ----------
-    record : of the run
-    quantity : speed or acceleration
-    axis : of the figure
+    """Return the limit of the winch on a `quantity`, speed or acceleration, that was learnt in the run `record` as two
+    lines on an `axis`, in steps; nothing where none was.
     """
     learnt = events.identified_limits(record.alarms, quantity)
     if not learnt:

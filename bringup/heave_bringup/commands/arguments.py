@@ -22,12 +22,8 @@ def complete(parser: argparse.ArgumentParser) -> None:
 
 
 def completed_by(action: argparse.Action, words: Callable[[], Iterable[str]]) -> None:
-    """Let the shell complete an argument.
-
-    Parameters
-    ----------
-    action : of the parser, that takes the argument
-    words : returns what may stand there; called only when the shell asks
+    """Let the shell complete the argument of an `action` by what `words` returns, which is called only when the shell
+    asks.
     """
 
     def completer(**_: object) -> list[str]:

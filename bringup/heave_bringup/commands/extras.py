@@ -28,13 +28,7 @@ EXTRA_OF_MODULE = {
 
 
 class AbsentCommand:
-    """Stands for a subcommand whose extra is not installed, and says so.
-
-    Parameters
-    ----------
-    name : of the subcommand
-    error : why it cannot be loaded; None where it was not found at all
-    """
+    """Stands for the subcommand `name`, whose extra is absent or cannot be loaded for an `error`, and says so."""
 
     EXAMPLES = ()
 

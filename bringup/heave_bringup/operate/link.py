@@ -45,13 +45,7 @@ MOVE = "controller/move_to_depth"
 
 
 class ServiceCall:
-    """A request to a service, sent as soon as the service is met.
-
-    Parameters
-    ----------
-    client : of the service
-    request : what is asked
-    """
+    """A `request` to a service, sent by its `client` as soon as the service is met."""
 
     def __init__(self, client: Client[Any, Any], request: Request) -> None:
         self._client, self._request = client, request

@@ -22,12 +22,8 @@ SETTLING_TIME = 3.0
 
 
 class Lowering:
-    """Asks for a speed of the mean payout, as a joystick does, for some time; done when the payout rests again.
-
-    Parameters
-    ----------
-    speed : positive lowers [m/s]
-    duration : simulated [s]
+    """Asks for a `speed` of the mean payout, positive lowers [m/s], as a joystick does, for a `duration` [s,
+    simulated]; done when the payout rests again.
     """
 
     def __init__(self, link: Link, speed: float, duration: float) -> None:
@@ -82,13 +78,9 @@ class Lowering:
 
 
 class Followed:
-    """A move that is followed: shown as it goes.
+    """A `move` that was requested and is followed: `show` is called with mean depth [m], rate [m/s] and time to go [s].
 
-    Parameters
-    ----------
-    move : that was requested
-    show : called with mean depth [m], rate [m/s] and time to go [s]
-    waits : for the end of the move; False: until it is under way
+    It `waits` for the end of the move, or only until it is under way.
     """
 
     def __init__(self, move: Move, show: Callable[[float, float, float], None], *, waits: bool) -> None:
@@ -112,12 +104,8 @@ class Followed:
 
 
 class MoveBy:
-    """Moves the unit by some depth from where it hangs.
-
-    Parameters
-    ----------
-    distance : positive lowers [m]
-    speed : largest mean speed [m/s]; 0: the controller's own
+    """Moves the unit by a `distance` from where it hangs, positive lowers [m], at most at a mean `speed` [m/s]; 0: the
+    controller's own.
     """
 
     def __init__(self, link: Link, distance: float, speed: float) -> None:

@@ -77,12 +77,7 @@ class Link(Protocol):
 
 
 class AnyOf:
-    """Several tasks, answered together: done where any was; the answers of the others are left out then.
-
-    Parameters
-    ----------
-    tasks : begun
-    """
+    """Several `tasks`, begun and answered together: done where any was; the answers of the others are left out then."""
 
     def __init__(self, tasks: Sequence[Task]) -> None:
         self._tasks = tasks
@@ -104,12 +99,9 @@ class AnyOf:
 
 
 class ClockTask:
-    """Pauses a run, lets it go on, or for some ticks; done when the run shows it.
+    """Pauses a run where `is_paused`, or lets it go on; done when the run shows it.
 
-    Parameters
-    ----------
-    ticks : to go on for, of a run that is paused; None: until further notice
-    is_paused : whether the clock is to stand
+    A run that is paused may go on for some `ticks`; None: until further notice.
     """
 
     def __init__(self, link: Link, *, ticks: int | None = None, is_paused: bool = False) -> None:

@@ -93,12 +93,10 @@ def all_rows() -> list[Row]:
 
 
 def matching(rows: Iterable[Row], pattern: str) -> list[Row]:
-    """Return the rows whose name, or shared name, fits a pattern; where none does, those whose meaning or choices do.
+    """Return those of `rows` whose name, or shared name, fits a `pattern`; where none does, those whose meaning or
+    choices do.
 
-    Parameters
-    ----------
-    rows : to look in
-    pattern : a part of the name, in any case, or with * and ? for the whole of it; NODE.PARAM names one
+    It is a part of the name, in any case, or with * and ? the whole of it; NODE.PARAM names one.
     """
     rows, wanted = list(rows), pattern.lower()
     has_wildcard = any(sign in wanted for sign in "*?[")

@@ -61,16 +61,10 @@ class RunFolder:
 
 
 def new_run_folder(name: str, chosen: Path | None) -> RunFolder:
-    """Return the folder of a run.
+    """Return the folder of a run of the scenario `name`: the `chosen` one, or else the next free `runs/NAME-NNN`.
 
-    Parameters
-    ----------
-    name : of the scenario
-    chosen : folder that the user named; None takes the next free `runs/NAME-NNN`
-
-    It is made at once: of two runs that begin together only one can have it.
-
-    Raises ParameterError where the chosen folder is not empty.
+    It is made at once: of two runs that begin together only one can have it. Raises ParameterError where the chosen
+    folder is not empty.
     """
     if chosen is not None:
         if chosen.is_dir() and any(chosen.iterdir()):
@@ -250,13 +244,10 @@ def _listen(namespace: str, *, is_open_loop: bool) -> Monitor:
 
 
 def store_scenario(scenario: Scenario, folder: RunFolder, replaced: Sequence[str] = ()) -> None:
-    """Write the parameter file that the nodes get and the bag carries: all active values.
+    """Write the parameter file of a checked `scenario` that the nodes get and the bag carries, all active values, into
+    the `folder` of the run.
 
-    Parameters
-    ----------
-    scenario : checked
-    folder : of the run; the recorder writes into it
-    replaced : nodes in whose place a bag (NODE=bag) or another program takes part
+    What is `replaced` is the nodes in whose place a bag (NODE=bag) or another program takes part.
     """
     recorder = replace(
         scenario.parameters["recorder"],

@@ -93,14 +93,10 @@ class ClockWatch:
 
 
 class SortedMessages:
-    """Messages by log time, sorted in runs; these lie in a temporary folder, which goes with this object.
+    """Messages of `blocks` in any order by log time, sorted in runs; these lie in a temporary folder, which goes with
+    this object.
 
-    Parameters
-    ----------
-    path : of the bag, named where there is no room
-    blocks : of its messages, in any order
-
-    Raises BagError where there is no room for the runs.
+    Raises BagError where there is no room for them; it names the `path` of the bag.
     """
 
     def __init__(self, path: Path, blocks: Iterable[Sequence[RawMessage]]) -> None:

@@ -65,15 +65,12 @@ def execute(options: argparse.Namespace) -> None:
 
 
 def expected_loads(report: DesignReport) -> tuple[float, float]:
-    """Return the largest tension expected in HOURS of the design sea, at the boom tip and at the unit [N].
+    """Return the largest tension expected in HOURS of the design sea of a `report`, at the boom tip and at the unit
+    [N].
 
-    Both are NaN for an identified cable, which knows no weights. The most probable largest of N crests of a
-    narrow-banded Gaussian motion is sigma sqrt(2 ln N) above its mean (M. S. Longuet-Higgins, On the statistical
-    distribution of the heights of sea waves, J. Marine Research 11, 1952).
-
-    Parameters
-    ----------
-    report : of the design, with a crest in each peak period of its sea
+    It has a crest in each peak period. Both are NaN for an identified cable, which knows no weights. The most probable
+    largest of N crests of a narrow-banded Gaussian motion is sigma sqrt(2 ln N) above its mean (M. S. Longuet-Higgins,
+    On the statistical distribution of the heights of sea waves, J. Marine Research 11, 1952).
     """
     crests = HOURS * 3600.0 / report.design.parameters.sea.peak_period
     rise = report.prediction.sigma["tension"] * math.sqrt(2.0 * math.log(crests))
