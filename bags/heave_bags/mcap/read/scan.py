@@ -18,8 +18,8 @@ from mcap.opcode import Opcode
 from mcap.records import Attachment, Channel, Metadata, Schema
 from mcap.summary import Summary
 
-from heave_bags.errors import NoBagError
-from heave_bags.mcap.bounds import LARGEST_RECORD, LATEST_TIME, ZSTD_MAGIC, unpack, unpack_message, unpack_part
+from heave_bags.errors import BagError, NoBagError
+from heave_bags.mcap.bounds import LARGEST_RECORD, LATEST_TIME, ZSTD_MAGIC, unpack, unpack_part
 from heave_bags.mcap.files import count_in_record
 from heave_bags.mcap.loss import NO_FOOTER, Loss, LossAccount
 from heave_bags.mcap.records import CHUNK_HEAD, HEAD, MESSAGE_HEAD, UNPARSEABLE, Record, RecordFile, parse, split_chunk
@@ -58,7 +58,6 @@ class FileContents:
     attachments: list[Attachment] = field(default_factory=list)  # in the order of the file
     losses: list[Loss] = field(default_factory=list)  # what could not be read
     is_own: bool = False  # this project has written the file
-    is_packed: bool = False  # its messages are compressed one by one
     complete: bool = False  # the end of the data section was reached
 
 
@@ -132,8 +131,6 @@ class McapScan:
         self.spans: dict[int, tuple[int, int]] = {}
         """First and last log time [ns] of the messages of each chunk, by its position."""
         self._passed_over = passed_over
-        self._damaged = 0
-        """Messages that were read but could not be unpacked."""
         self._expected = expected
         self._numbering = Numbering(self.contents.channels, numbering)
         self.position = 0
@@ -152,7 +149,7 @@ class McapScan:
         with RecordFile(self.path) as file:
             begins = file.read(0, len(MAGIC))
             if not is_like_magic(begins):
-                raise NoBagError(f"{self.path}: not an MCAP file")
+                raise NoBagError(f"{self.path}: {why_not_read(begins)}")
             if begins != MAGIC:
                 self._lose(0, "the bytes that every MCAP file begins with are damaged", 0)
             self._summary = read_summary(file)
@@ -314,7 +311,7 @@ class McapScan:
                 continue
             data = records[body + MESSAGE_HEAD.size : offset]
             if channel not in counts and data.startswith(ZSTD_MAGIC):
-                self.contents.is_packed = True
+                raise BagError(f"{self.path}: its messages are compressed one by one; write it anew: ros2 bag convert")
             counts[channel] = counts.get(channel, 0) + 1
             if is_after_loss:
                 self._account.end_at(log_time)
@@ -336,17 +333,7 @@ class McapScan:
             self._lose(position, "messages with an undefined channel or an impossible time", undefined)
 
     def _block(self, messages: list[RawMessage], position: int) -> Iterator[list[RawMessage]]:
-        """Yield messages, if there are any; those that are compressed one by one are unpacked."""
-        if self.contents.is_packed:
-            unpacked = [
-                (message, unpack_message(message.data) if message.data.startswith(ZSTD_MAGIC) else message.data)
-                for message in messages
-            ]
-            damaged = sum(data is None for _, data in unpacked)
-            if damaged:
-                self._damaged += damaged
-                self._lose(position, "messages that cannot be unpacked (zstd)", damaged)
-            messages = [message._replace(data=data) for message, data in unpacked if data is not None]
+        """Yield messages, if there are any."""
         if messages:
             times = [message.log_time for message in messages]
             first, last = self.spans.get(position, (times[0], times[0]))
@@ -403,7 +390,7 @@ class McapScan:
     def _settle(self) -> None:
         """Report what the pass has lost, once it has reached the end."""
         self._settle_lost_chunk()
-        read = sum(self.counts.values()) - self._damaged
+        read = sum(self.counts.values())
         expected = self._expected if self._expected is not None else count_in_record(self.contents.metadata)
         lacking = expected - read if expected is not None and expected >= read else None
         if expected is not None and self.contents.complete and read > expected:
@@ -416,6 +403,14 @@ class McapScan:
 def is_like_magic(begins: bytes) -> bool:
     """Return whether `begins`, the first bytes of a file, are those of MCAP, one of them damaged at most."""
     return len(begins) == len(MAGIC) and sum(a != b for a, b in zip(begins, MAGIC, strict=True)) <= 1
+
+
+def why_not_read(begins: bytes) -> str:
+    """Return why a file that `begins` so is not read as MCAP; "" if it is."""
+    if is_like_magic(begins):
+        return ""
+    is_packed = begins.startswith(ZSTD_MAGIC)
+    return "compressed as a whole; unpack it: zstd -d FILE" if is_packed else "not an MCAP file"
 
 
 def attachment_problem(attachment: Attachment, body: bytes, before: Sequence[Attachment]) -> str:
