@@ -14,7 +14,6 @@ from heave_node.extras import PARTS
 from heave_bringup.commands.bags import export, kpi, record, repair, replay, report
 from heave_bringup.commands.command import CommandModule, name_of
 from heave_bringup.commands.extras import COMMANDS as EXTRA_COMMANDS
-from heave_bringup.commands.extras import FORMER as FORMER_COMMANDS
 from heave_bringup.commands.extras import extra_command, extra_commands
 from heave_bringup.commands.models import design, modes
 from heave_bringup.commands.runs import check, operate, run
@@ -82,8 +81,6 @@ class OneLineParser(argparse.ArgumentParser):
 
     def _check_value(self, action: argparse.Action, value: Any) -> None:
         """Refuse what is no choice, and name the one that is near: the list of all commands is in the help."""
-        if action.dest == "command" and value in FORMER_COMMANDS:
-            raise argparse.ArgumentError(action, f"is a study now: heave study {FORMER_COMMANDS[value]}")
         if action.choices is not None and value not in action.choices:
             near = difflib.get_close_matches(str(value), list(map(str, action.choices)), n=1)
             if near:

@@ -95,11 +95,6 @@ from heave_bringup.cli import main
         (["view", "--port", "high"], "heave view: argument --port: high: must be a whole number from 1 to 65535"),
         (["operate", "--json", "-"], "heave operate: the following arguments are required: VERB"),
         (["study", "model_error", "--processes", "0"], "heave: --processes 0: must be at least 1"),
-        (
-            ["operability", "unit_1500"],
-            "heave: argument COMMAND: is a study now: heave study operability",
-        ),
-        (["falsify"], "heave: argument COMMAND: is a study now: heave study worst_case"),
         (["static", "b3_deep_900", "--picture", "x.doc"], "heave: --picture x.doc: must end in .png or .svg"),
         (["identify", "b3_deep_900", "--picture", "x.doc"], "heave: --picture x.doc: must end in .png or .svg or"),
         (["kpi", "no_bag", "--table", "x.foo"], "heave: --table x.foo: must end in .csv or .parquet or .xlsx"),
