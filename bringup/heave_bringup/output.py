@@ -122,9 +122,9 @@ def make_table(columns: Sequence[str], rows: Iterable[Sequence[str]], *, texts: 
     return table
 
 
-def sheet_table(sheet: Sheet, rows: Iterable[object], *, texts: Collection[str] = ()) -> Table:
-    """Return a table for people of a `sheet` and its `rows`; `texts` as of `make_table`."""
-    return make_table(sheet.headings, sheet.cells(rows), texts=texts)
+def sheet_table(sheet: Sheet, rows: Iterable[object]) -> Table:
+    """Return a table for people of a `sheet` and its `rows`."""
+    return make_table(sheet.headings, sheet.cells(rows))
 
 
 def check_output(option: str, path: Path | None, endings: Sequence[str] = (), *, makes_folder: bool = False) -> None:

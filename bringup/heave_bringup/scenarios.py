@@ -185,14 +185,12 @@ def _found(given: Given, folder: Path | None = None) -> Given:
     return replace(given, value=f"{path.resolve()}{rest}")
 
 
-def make_scenario(values: Mapping[str, Mapping[str, object]], *, settings: Iterable[Setting | str] = ()) -> Scenario:
-    """Check a scenario that is in no file, for tests and studies: its `values` by node (or `/**`) and dotted name, with
-    `settings` on top as for `load_scenario`.
-    """
+def make_scenario(values: Mapping[str, Mapping[str, object]]) -> Scenario:
+    """Check a scenario that is in no file, for tests and studies: its `values` by node (or `/**`) and dotted name."""
     given = {
         node: {name: Given(value, name, node) for name, value in of_node.items()} for node, of_node in values.items()
     }
-    return _checked("values", Path("values"), given, settings)
+    return _checked("values", Path("values"), given, ())
 
 
 def check_lengths(option: str, lengths: Iterable[float]) -> None:

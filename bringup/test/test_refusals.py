@@ -33,13 +33,6 @@ def test_a_run_of_no_tick_is_refused(tmp_path, monkeypatch, capsys):
     assert not (tmp_path / "runs").exists()
 
 
-def test_a_load_that_floats_is_refused_before_a_node_starts(tmp_path, monkeypatch, capsys):
-    monkeypatch.chdir(tmp_path)
-    assert main(["run", "b2_calm_300", "--set", "system.unit.volume=10"]) == REFUSED
-    assert capsys.readouterr().err.count("\n") == 1
-    assert not (tmp_path / "runs").exists()
-
-
 def test_a_second_run_in_a_domain_is_refused_and_the_namespace_is_named(tmp_path, monkeypatch, capsys):
     pytest.importorskip("rclpy")
     monkeypatch.chdir(tmp_path)

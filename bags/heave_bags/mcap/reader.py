@@ -46,6 +46,8 @@ if TYPE_CHECKING:
     import pandas
 
 _PROGRESS_EVERY = 1000
+LONGEST_ARRAY = 16
+"""Elements of an array that has columns of its own in a frame without being asked for."""
 
 __all__ = ["LOG_TIME", "TIME", "Bag", "BagTopic", "Progress", "RawMessage", "no_progress", "summary_of"]
 
@@ -401,30 +403,22 @@ class Bag:
         """Bytes of its files."""
         return sum(path.stat().st_size for path in self._found.files)
 
-    def frame(
-        self,
-        topic: str,
-        fields: Collection[str] | None = None,
-        *,
-        max_array: int = 16,
-        start: int = 0,
-        end: int = LATEST_TIME,
-    ) -> pandas.DataFrame:
+    def frame(self, topic: str, fields: Collection[str] | None = None) -> pandas.DataFrame:
         """Return one `topic` as a pandas DataFrame with index `time` [s], the stamp of the header where there is one.
 
         A device outside the simulation stamps by its own clock: compare two of them by the column `log_time` [ns].
-        Array fields become columns `name[0]`, `name[1]` ...; those of more than `max_array` elements (covariances,
-        long cables) are left out unless named in `fields`. Log times from `start` to `end` [ns].
+        Array fields become columns `name[0]`, `name[1]` ...; those of more than LONGEST_ARRAY elements (covariances,
+        long cables) are left out unless named in `fields`.
         """
         import pandas  # noqa: PLC0415 - half a second to import, for those who want frames only
 
-        columns = self.columns({topic: fields}, start=start, end=end)[topic]
+        columns = self.columns({topic: fields})[topic]
         time = columns.pop(TIME)
         flat: dict[str, NDArray[Any]] = {}
         for name, values in columns.items():
             if values.ndim == 1:
                 flat[name] = values
-            elif fields is not None or values.shape[1] <= max_array:
+            elif fields is not None or values.shape[1] <= LONGEST_ARRAY:
                 flat |= {f"{name}[{index}]": values[:, index] for index in range(values.shape[1])}
         return pandas.DataFrame(flat, index=pandas.Index(time, name=TIME))
 

@@ -37,7 +37,7 @@ from heave_bringup.operate.requests import (
     request_mode,
 )
 from heave_bringup.operate.situation import ControllerStatus, Figures, RunStatus, Situation, WinchStatus
-from heave_bringup.operate.tasks import Link, Task
+from heave_bringup.operate.tasks import Task
 
 MEETING_TIME = 6.0
 """Wall time in which a service of a run that was found must show itself [s]."""
@@ -93,7 +93,7 @@ class DepthMove:
     progress : mean depth [m], rate [m/s] and time to go [s], newest; None before the first
     """
 
-    def __init__(self, link: Link, mover: ActionClient[Any, Any, Any], depth: float, speed: float) -> None:
+    def __init__(self, link: RunLink, mover: ActionClient[Any, Any, Any], depth: float, speed: float) -> None:
         self._link, self._mover = link, mover
         self._goal = MoveToDepth.Goal(depth=depth, speed=speed)
         self._began = link.wall_time
@@ -241,7 +241,7 @@ class RunLink:
                 self.spin(LOOK_PERIOD)
         return answer
 
-    # what can be requested, see `tasks.Link`
+    # what can be requested
 
     def start(self, request: Request) -> ServiceCall:
         """Send a `request`; the task has the answer."""
