@@ -47,7 +47,7 @@ if TYPE_CHECKING:
 
 _PROGRESS_EVERY = 1000
 LONGEST_ARRAY = 16
-"""Elements of an array that has columns of its own in a frame without being asked for."""
+"""Elements of an array that has columns of its own in a table without being asked for."""
 
 __all__ = ["LOG_TIME", "TIME", "Bag", "BagTopic", "Progress", "RawMessage", "no_progress", "summary_of"]
 

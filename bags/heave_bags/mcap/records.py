@@ -22,7 +22,6 @@ from mcap.records import (
     Attachment,
     AttachmentIndex,
     Channel,
-    ChunkIndex,
     McapRecord,
     Metadata,
     MetadataIndex,
@@ -57,7 +56,6 @@ _READERS: dict[int, Callable[[ReadDataStream], McapRecord]] = {
     Opcode.METADATA: Metadata.read,
     Opcode.ATTACHMENT: Attachment.read,
     Opcode.STATISTICS: Statistics.read,
-    Opcode.CHUNK_INDEX: ChunkIndex.read,
     Opcode.ATTACHMENT_INDEX: AttachmentIndex.read,
     Opcode.METADATA_INDEX: MetadataIndex.read,
 }

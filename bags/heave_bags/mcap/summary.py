@@ -1,4 +1,4 @@
-"""The summary at the end of an MCAP file: definitions, counts, and where chunks, attachments and metadata are."""
+"""The summary at the end of an MCAP file: definitions, counts, and where attachments and metadata are."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import struct
 import zlib
 
 from mcap.opcode import Opcode
-from mcap.records import AttachmentIndex, Channel, ChunkIndex, MetadataIndex, Schema, Statistics
+from mcap.records import AttachmentIndex, Channel, MetadataIndex, Schema, Statistics
 from mcap.summary import Summary
 
 from heave_bags.mcap.bounds import LARGEST_SUMMARY
@@ -87,8 +87,6 @@ def _take(summary: Summary, record: object) -> None:
         summary.channels[record.id] = record
     elif isinstance(record, Statistics):
         summary.statistics = record
-    elif isinstance(record, ChunkIndex):
-        summary.chunk_indexes.append(record)
     elif isinstance(record, AttachmentIndex):
         summary.attachment_indexes.append(record)
     elif isinstance(record, MetadataIndex):
