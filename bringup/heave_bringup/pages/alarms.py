@@ -11,7 +11,7 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 
 from cable_sim_node.alarms import ALARMS as PLANT
-from heave_bags.record.alarms import ALARMS as RECORDER
+from heave_bags.record.session import ALARMS as RECORDER
 from heave_node.extras import extra_parts
 from heave_node.interface.alarm import NODE_ALARMS, AlarmRow, AlarmTable
 from wave_vessel_node.alarms import ALARMS as VESSEL
