@@ -4,8 +4,7 @@ The reading is the true heave plus the lever-arm error (pitch and roll let in), 
 second-order high-pass s^2 / (s^2 + 2 zeta omega_c s + omega_c^2), with white noise, noise that wanders, and in whole
 steps where the unit has a resolution. The high-pass is kept as what it
 takes away: reading = truth - e with e'' + 2 zeta omega_c e' + omega_c^2 e = 2 zeta omega_c x' + omega_c^2 x - d, solved
-exactly for x a cubic between ticks; d is an error of the vertical acceleration (a tilt of the vertical in a turn, a
-bias after a restart).
+exactly for x a cubic between ticks; d is an error of the vertical acceleration, a bias after a restart.
 """
 
 from __future__ import annotations
@@ -29,7 +28,6 @@ from wave_vessel_node.vessel.motion import PITCH, ROLL, VesselMotions
 
 _TICK_ROUNDING = 1e-6
 """A delay so little above whole ticks is one of whole ticks [ticks]."""
-_TURNING = 1e-4  # rad/s: above this rate of turn the unit is disturbed
 _IN_HEAVE = np.array([1.0, 0.0, 0.0, 0.0, 0.0])
 """A spike or jump is an error of heave, not of rate, acceleration, roll or pitch."""
 _OF_HEAVE = np.array([1.0, 1.0, 1.0, 0.0, 0.0])
@@ -148,23 +146,18 @@ class MotionReferenceUnit:
         truth, motions = self._truth[row:], self._motions
         passed = truth
         if self._parameters.high_pass_period > 0.0:
-            errors = self._acceleration_errors(row)
-            passed = truth - self._taken.run(truth[:, 0], truth[:, 1], -errors)[:, :3]
+            passed = truth - self._taken.run(truth[:, 0], truth[:, 1], -self._acceleration_errors(row))[:, :3]
         attitude = motions.six[row:, 0, ROLL : PITCH + 1]
         seen = np.hstack((passed, attitude)) + self._wandered[row:, None] * _IN_HEAVE
         self._seen[len(self._seen) - len(seen) :] = seen
 
     def _acceleration_errors(self, row: int) -> Array:
-        """Return the errors of vertical acceleration from a `row` of the block on, and note when each settles."""
-        p, motions, times = self._parameters, self._motions, self._motions.time[row:]
-        turning = np.abs(motions.turn_rate[row:]) > _TURNING
-        settles = np.where(turning, times + p.settling_periods * p.high_pass_period, -math.inf)
-        self._settled[row:] = np.maximum.accumulate(np.maximum(self._settled[row:], settles))
-        errors: Array = p.turn_sensitivity * motions.speed[row:] * motions.turn_rate[row:]
-        if self._restarted_at >= 0.0:
-            since = ((times - self._restarted_at) / p.high_pass_period).tolist()
-            errors = errors + np.array([p.restart_bias * math.exp(-age) for age in since])
-        return errors
+        """Return the errors of vertical acceleration from a `row` of the block on [m/s^2]: the bias of a restart."""
+        p, times = self._parameters, self._motions.time[row:]
+        if self._restarted_at < 0.0:
+            return np.zeros(len(times))
+        since = ((times - self._restarted_at) / p.high_pass_period).tolist()
+        return np.array([p.restart_bias * math.exp(-age) for age in since])
 
     def step(self, tick: int) -> MruReading | None:
         """Return the reading delivered at `tick`, or None if there is none."""
