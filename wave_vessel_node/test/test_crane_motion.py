@@ -7,8 +7,7 @@ import numpy as np
 import pytest
 from heave_msgs.msg import CranePose
 from heave_node.crane.kinematics import Crane
-from heave_node.crane.messages import pose_message
-from heave_node.crane.pose import pose_to_wire
+from heave_node.crane.pose import pose_message, pose_to_wire
 from heave_node.interface.faults import FaultParameters
 from heave_node.parameters import ParameterError, build_parameters
 from rclpy.serialization import deserialize_message

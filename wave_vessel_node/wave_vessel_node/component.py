@@ -117,13 +117,9 @@ class WaveVessel:
         return tips[:count]
 
     def step(self, tick: int) -> WaveVesselOutputs:
-        """Return the MRU reading of t_k and the motions of t_{k+1}.
+        """Return the MRU reading of t_k and the motions of t_{k+1}, k = `tick`; raise ValueError if it is not the next.
 
-        Parameters
-        ----------
-        tick : k; ticks come in order, from 1
-
-        Raises ValueError if `tick` is not the next one.
+        Ticks come in order, from 1.
         """
         if tick != self._next_tick:
             raise ValueError(f"ticks must come in order: expected {self._next_tick}, got {tick}")

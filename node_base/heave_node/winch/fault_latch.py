@@ -75,9 +75,7 @@ class FaultLatch:
     def release(self, *, is_at_rest: bool) -> None:
         """Note a command without a brake: it leaves a fault that was acknowledged and whose cause is gone.
 
-        Parameters
-        ----------
-        is_at_rest : the drum
+        The drum must be at rest (`is_at_rest`).
         """
         if self.waits_for(is_at_rest=is_at_rest) is WinchRelease.COMMAND:
             self.fault, self.words, self.is_acknowledged = WinchFault.NONE, "", False

@@ -19,7 +19,7 @@ from heave_node.interface.faults import FaultSchedule, FaultyValues
 from heave_node.interface.sensors import MruReading
 from heave_node.numerics.arrays import Array
 from heave_node.numerics.randomness import random_stream
-from heave_node.sensing.quantisation import quantised
+from heave_node.sensing.view import quantised
 from numpy.typing import NDArray
 
 from wave_vessel_node.mru.oscillator import DrivenOscillator
@@ -115,11 +115,8 @@ class MotionReferenceUnit:
     def series(self, heave: Array) -> Array:
         """Return heave and heave rate as delivered at each tick of a run, shape (n, 2); NaN where nothing is.
 
-        They are those of `step` for a vessel that does not turn, without scheduled faults.
-
-        Parameters
-        ----------
-        heave : boom-tip heave about its mean, rate, acceleration at the ticks from the first one on, shape (n, 3)
+        They are those of `step` without scheduled faults, for a boom tip with this `heave` about its mean, rate and
+        acceleration at the ticks from the first one on, shape (n, 3).
         """
         p, ticks = self._parameters, np.arange(1, len(heave) + 1)
         self.look(VesselMotions.still(range(1, len(heave) + 1), self._period), heave)
