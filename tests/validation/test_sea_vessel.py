@@ -201,7 +201,6 @@ def test_the_sea_state_is_found_from_the_mru_alone(gallery):
         "significant_wave_height": 2.5,
         "peak_period": 9.0,
         "mru.high_pass_period": 60.0,
-        "estimate.window": 1800.0,
         "ramp": 10.0,
     }
     parameters = build_parameters(WaveVesselParameters, values, where="test")

@@ -165,7 +165,6 @@ def test_every_parameter_says_what_it_is():
         ({"boom_tip_source": "regular", "later_sea.duration": 10.0}, "later_sea needs a sea"),
         ({"boom_tip_source": "regular", "vessel.model": "fitted"}, "needs a sea spectrum"),
         ({"filter.states": 7}, "must be even"),
-        ({"estimate.window": 150.0}, "at least two"),
     ],
 )
 def test_parameters_that_cannot_work_are_refused_in_one_line(values, says):

@@ -127,11 +127,19 @@ def test_latency_delays_the_reading_and_the_stamp_says_so():
     assert readings[10].heave == pytest.approx(heave(11 * DT - 0.15)[0])
 
 
-def test_a_stamp_error_delays_the_reading_and_the_stamp_does_not():
+@pytest.mark.parametrize(
+    ("error", "stamp", "measured"),
+    [
+        (0.1, 1.0, 0.9),  # a delay that the stamp does not account for
+        (0.12, 17 * DT + 0.12, 17 * DT),  # of parts of a tick: it comes with the next tick
+        (-0.13, 20 * DT - 0.13, 20 * DT),  # early: readings are newer than they say, by any time
+    ],
+)
+def test_a_stamp_error_moves_the_stamp_and_a_late_one_the_reading(error, stamp, measured):
     heave = sine(0.7)
-    reading = run(MruParameters(stamp_error=0.1, **SILENT), 20, heave)[-1]
-    assert reading.time == pytest.approx(1.0)
-    assert reading.heave == pytest.approx(heave(0.9)[0])
+    reading = run(MruParameters(stamp_error=error, **SILENT), 20, heave)[-1]
+    assert reading.time == pytest.approx(stamp)
+    assert reading.heave == pytest.approx(heave(measured)[0])
 
 
 def test_the_rate_sets_which_ticks_have_a_reading():
@@ -245,21 +253,6 @@ def test_a_rate_changes_no_other_number():
 def test_faults_that_the_unit_cannot_have_are_refused(kind, magnitude):
     with pytest.raises(ValueError, match=r"mru.faults: (a fault of kind drive|the magnitude of kind delay)"):
         MruParameters(faults=fault(kind, 1.0, 1.0, magnitude))
-
-
-def test_a_stamp_that_is_early_makes_readings_newer_than_they_say():
-    """The reading of a tick is delivered in it, with a stamp 0.13 s before: any time, not whole ticks."""
-    heave = sine(0.7)
-    reading = run(MruParameters(stamp_error=-0.13, **SILENT), 20, heave)[-1]
-    assert reading.time == pytest.approx(20 * DT - 0.13)
-    assert reading.heave == pytest.approx(heave(20 * DT)[0])
-
-
-def test_a_delay_of_parts_of_a_tick_comes_with_the_next_tick():
-    heave = sine(0.7)
-    reading = run(MruParameters(stamp_error=0.12, **SILENT), 20, heave)[-1]
-    assert reading.time == pytest.approx(17 * DT + 0.12)
-    assert reading.heave == pytest.approx(heave(17 * DT)[0])
 
 
 def test_readings_come_in_whole_steps_of_the_resolution():

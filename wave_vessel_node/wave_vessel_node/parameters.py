@@ -99,15 +99,9 @@ class MruParameters:
 class SeaStateEstimateParameters:
     """The running estimate of the sea state from the MRU record."""
 
-    window: float = parameter(1800.0, "s", 120.0, 21600.0, "Length of the record on which the estimate is based.")
-    segment: float = parameter(200.0, "s", 30.0, 3600.0, "Length of one Welch segment (half overlapping).")
     period: float = parameter(30.0, "s", 1.0, 3600.0, "Interval between estimates.")
-
-    def __post_init__(self) -> None:
-        if self.window < 2 * self.segment:
-            raise ValueError(
-                f"estimate.window ({self.window:g} s) must hold at least two of estimate.segment ({self.segment:g} s)"
-            )
+    window: float = 1800.0  # length of the record on which the estimate is based [s]
+    segment: float = 200.0  # length of one Welch segment, half overlapping [s]
 
 
 _WHERE = "after each of move_times; none: it stays."
