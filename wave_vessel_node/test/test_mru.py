@@ -6,8 +6,7 @@ from heave_node.interface.codes import MruStatus
 from heave_node.interface.faults import FaultParameters
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from wave_vessel_node.mru.mru import MotionReferenceUnit, high_pass_response
-from wave_vessel_node.mru.oscillator import DrivenOscillator
+from wave_vessel_node.mru.mru import DrivenOscillator, MotionReferenceUnit, high_pass_response
 from wave_vessel_node.parameters import MruParameters
 from wave_vessel_node.vessel.motion import PITCH, ROLL, VesselMotions
 
