@@ -107,7 +107,6 @@ def test_the_surface_has_the_height_of_the_sea():
     [
         WaveVesselParameters(boom_tip_source="filter"),
         WaveVesselParameters(later_sea=LaterSeaParameters(duration=60.0)),
-        replace(SEAS["RAOs under way"], course=CourseParameters(speed=2.0, turn_angle=0.5, turn_start=10.0)),
     ],
 )
 def test_a_sea_whose_components_do_not_last_has_none(sea):

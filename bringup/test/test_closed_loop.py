@@ -25,8 +25,7 @@ from heave_bags.analyse import kpi_set
 from heave_bringup.closed_loop import ClosedLoop, LoopParameters, LoopRecord, loop_parameters
 from heave_bringup.run.loop_signals import run_signals
 from heave_bringup.scenarios import load_scenario, make_scenario
-from heave_node.crane.messages import pose_message
-from heave_node.crane.pose import POSE_FIELDS, pose_of, pose_to_wire
+from heave_node.crane.pose import POSE_FIELDS, pose_message, pose_of, pose_to_wire
 from heave_node.interface import topics
 from heave_node.interface.fault_kinds import FAULTS, LARGEST_DELAY, faults_of
 from heave_node.interface.messages import MessageReader, SensorMessages
