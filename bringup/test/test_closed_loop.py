@@ -223,7 +223,7 @@ def test_a_depth_is_read_by_the_density_that_the_controller_believes_in_also_wit
 
 @pytest.mark.parametrize("assumed", [9.83, 9.80665])
 def test_gravity_of_the_place_is_in_what_an_imu_says_and_the_one_believed_in_is_taken_off(assumed):
-    quiet = {f"sensors.imu.{name}": 0.0 for name in ("noise", "gyro_noise")}
+    quiet = {"sensors.imu.noise": 0.0}
     values = {"cable_sim": {"gravity": 9.83} | quiet, "winch_controller": {"gravity": assumed}}
     loop = ClosedLoop(parameters(values, 0.05, 1))
     heard = []

@@ -518,11 +518,12 @@ def test_it_looks_ten_times_a_second_and_at_nothing_in_between():
 @pytest.mark.parametrize(
     ("shown", "alarm", "inhibition"),
     [
-        ([BACK] * 3, "DRUM_OR_ENCODER: reversed", "DRUM_OR_ENCODER: unresolved reversal"),
-        ([TRUE] * 400 + [HALF] * (seconds(LONGEST_ASIDE) + 5), "DRUM_OR_ENCODER: scale", "DRUM_OR_ENCODER: unresolved scale"),
+        ([BACK] * 3, "reversed", "unresolved reversal"),
+        ([TRUE] * 400 + [HALF] * (seconds(LONGEST_ASIDE) + 5), "scale", "unresolved scale"),
     ],
     ids=["reversed", "scale"],
 )
 def test_what_is_wrong_with_an_encoder_is_told_by_its_code(shown, alarm, inhibition):
     _, reflex = acts(shown)
-    assert (reflex.alarm.name, reflex.inhibition.name) == (alarm, inhibition)
+    assert reflex.alarm.name == f"DRUM_OR_ENCODER: {alarm}"
+    assert reflex.inhibition.name == f"DRUM_OR_ENCODER: {inhibition}"
