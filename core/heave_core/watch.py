@@ -23,7 +23,7 @@ from heave_core.watch_table import (
 
 Array = NDArray[np.float64]
 
-FLAGS = 7
+FLAGS = [row.name for row in LANDING_STATE.rows].index("event")
 """Numbers of LandingState in front of its event."""
 
 OBSERVED = 7

@@ -5,9 +5,10 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from heave_bringup.closed_loop import ClosedLoop, loop_parameters
+from heave_bringup.closed_loop import ClosedLoop, LoopRecord, loop_parameters
 from heave_bringup.scenarios import load_scenario
 from heave_core.watch_table import Landed
+from heave_node.interface.alarm import Severity
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from winch_controller_node.core.supervision import landing as production
@@ -83,7 +84,7 @@ class Lowering:
         carried = max(self.load.weight - slack, 0.0) - inertia
         return self.load.static_tension - self.load.weight + max(carried, 0.0)
 
-    def run(self, duration, mode=COMPENSATING, *, has_depth=True, innovation=5.0):
+    def run(self, duration, mode=COMPENSATING, *, has_depth=True, innovation=5.0, lost=()):
         """Return the time of the touchdown; None: there was none."""
         noise = self._random.standard_normal
         while self._tick * DT < duration:
@@ -93,7 +94,7 @@ class Lowering:
             has_reading = self._tick % 2 == 0 and stamp > 0.0
             depths = [(stamp, self.depth(stamp) + DEPTH_NOISE * noise())] if has_reading else []
             tension = self.tension(time) * (1.0 + TENSION_NOISE * noise())
-            now = sensed(tension=tension, depths=depths, innovation=innovation, has_depth=has_depth)
+            now = sensed(tension=tension, depths=depths, innovation=innovation, has_depth=has_depth, lost=lost)
             self.landing.observe(time, now, self._speed * time, self.hanging(time))
             if self.landing.update(now, mode) is LandingEvent.TOUCHDOWN:
                 return time
@@ -161,6 +162,60 @@ def test_without_a_depth_sensor_a_unit_never_lands_whose_cable_goes_slack_in_eac
     for seed in range(3):
         hanging = Lowering(stiffness=27e3, speed=0.2, contact=math.inf, seed=seed, swing=(amplitude, omega))
         assert hanging.run(90.0, has_depth=False) is None
+
+
+def test_without_the_load_cell_the_depth_sensor_alone_tells_and_its_readings_count_no_more_until_it_has():
+    """The mean of the unit's speed over 10 s is 0.4 of the winch's 6 s after contact: it is a line through a corner."""
+    lowering = Lowering(stiffness=100e3, speed=0.2, contact=20.0)
+    assert lowering.run(20.0, innovation=0.0, lost=("load_cell",)) is None
+    assert lowering.landing.shows_hanging
+    assert lowering.run(23.0, lost=("load_cell",)) is None
+    assert not lowering.landing.shows_hanging
+    assert lowering.run(40.0, lost=("load_cell",)) == pytest.approx(26.0, abs=1.0)
+
+
+@pytest.mark.parametrize("speed", [0.1, 0.3, 0.5])
+@pytest.mark.parametrize("amplitude", [0.0, 0.5, 3.0])
+def test_without_the_load_cell_a_unit_that_swings_never_lands(speed, amplitude):
+    for seed in range(3):
+        swinging = Lowering(stiffness=27e3, speed=speed, contact=math.inf, seed=seed, swing=(amplitude, 0.8))
+        assert swinging.run(60.0, lost=("load_cell",)) is None
+
+
+LANDS_EARLY = (
+    "cable_sim.seabed.depth=575.0",
+    "winch_controller.programme.move_times=[40.0]",
+    "winch_controller.programme.move_payouts=[14.0]",
+    "winch_controller.programme.move_speeds=[0.12]",
+    "winch_controller.programme.mode_times=[]",
+    "winch_controller.programme.modes=[]",
+    "wave_vessel.ramp=20.0",
+)
+"""Benchmark b7, over before a sea of its own has come up."""
+
+
+@pytest.mark.slow
+def test_a_load_that_lands_without_a_load_cell_is_told_of_and_is_compensated_until_it_is_lifted_again():
+    """It stood on a rope that went slack, and the depth sensor was blamed, for as long as the winch lowered."""
+    fitted = ["cable_sim.sensors.load_cell.fitted=false", "winch_controller.sensors.use=[mru,encoder,depth]"]
+    loop = ClosedLoop(loop_parameters(load_scenario("b7_landing", settings=[*LANDS_EARLY, *fitted])))
+    found, rows = {}, []
+    for tick in range(round(180.0 / DT)):
+        if tick == round(140.0 / DT):
+            loop.controller.move_to_payout(loop.controller.mean.point.payout - 6.0, 0.2)
+        outputs, row = loop.step()
+        rows.append(row)
+        found |= {alarm.name: tick * DT for alarm in outputs.alarms if alarm.severity is not Severity.LOW}
+    record = LoopRecord(np.array(rows))
+    time, force = record.column("time"), record.column("touchdown_force")
+    contact = time[np.argmax(force > 0.0)]
+    assert contact < found["TOUCHDOWN"] < contact + 13.0
+    stands = (time > found["TOUCHDOWN"]) & (time < 140.0)
+    assert np.min(force[stands]) > 0.0
+    assert np.max(record.column("slack_segments")) == 0.0
+    assert 140.0 < found["UNIT_SUSPENDED"] < 180.0
+    assert not {"IDENTIFIED, DEPTH: scale", "WORSE_THAN_OFF: swing", "WORSE_THAN_OFF: estimate", "MOVE_LOST", "COMPENSATION_LOST"} & set(found)
+    assert outputs.report.mode == "compensating"
 
 
 def test_what_a_lost_load_cell_has_read_last_is_no_sign_of_a_landing():

@@ -3,7 +3,7 @@
 // load cell and mean payout tell, each by its trend over a window in which the winch lowers by some centimetres. What
 // else does both at once is ruled out: a hanging unit that stays behind while lowering gains speed, and one at the lowest
 // point of a swing, whose tension falls from above the weight. A unit that hangs would sink; the depth sensor must read a
-// landed one above the estimate as well. Without depth readings the tension alone shows it, on average over a swing.
+// landed one above the estimate as well. One of the two alone shows it on average over a swing.
 #include "watch.h"
 
 namespace heave {
@@ -46,13 +46,39 @@ bool is_relieved_throughout(const LandingDesign &design, const LandingState &sta
     return share < design.touchdown_ratio * mean_of(state.hanging_share, time);
 }
 
-// Within half a window the unit may have landed: its readings are then no check on the estimate of a hanging one.
+// Without the load cell: the unit has stayed behind the winch over a whole swing. Within one, a hanging unit may do so.
+bool stands_throughout(const LandingDesign &design, const LandingState &state, double rate) {
+    const double time = design.swing_time, steady = std::max(design.least_rate, design.steady_share * rate);
+    const Slope payout = slope_of(design, state.payout, time), depth = slope_of(design, state.depth, time);
+    const Slope before = slope_of(design, state.payout, time + design.following_time);
+    const Slope hanging = slope_of(design, state.hanging, time);
+    if (!payout.is_known || !before.is_known || !depth.is_known || !hanging.is_known) return false;
+    if (std::min(payout.value, before.value) < steady) return false;
+    const double sinking = std::min(payout.value, hanging.value);
+    return std::abs(depth.value) < design.standing_share * sinking && sinking - depth.value > design.certain * depth.error;
+}
+
+// Without the load cell: a unit that stood has risen with the winch over a whole swing.
+bool rises_throughout(const LandingDesign &design, const LandingState &state) {
+    const double time = design.swing_time;
+    const Slope payout = slope_of(design, state.payout, time), depth = slope_of(design, state.depth, time);
+    if (!payout.is_known || !depth.is_known || payout.value > -design.least_rate) return false;
+    return depth.value < (1.0 - design.standing_share) * payout.value;
+}
+
+// Within half a window the unit may have landed: its readings are then no check on the estimate of a hanging one. Without the
+// load cell it must show for longer, and stays open for the swing that decides it: readings that are left out no longer differ
+// from the estimate.
 void watch_unconfirmed(const LandingDesign &design, LandingState &state, double time, double window, double rate) {
-    const Slope depth = slope_of(design, state.depth, 0.5 * window), tension = slope_of(design, state.tension, 0.5 * window);
+    const bool is_weighed = state.is_weighed != 0.0;
+    const double looked = (is_weighed ? 0.5 : design.windows[1]) * window;
+    const Slope depth = slope_of(design, state.depth, looked), tension = slope_of(design, state.tension, looked);
     const bool stands = depth.is_known && std::abs(depth.value) < design.standing_share * rate;
     const bool is_relieved = !tension.is_known || tension.value < 0.0;
-    const bool may_stand = stands && is_relieved && mean_of(state.innovation, 0.5 * window) > design.innovation_above;
-    const double longest = design.unconfirmed_time * window, since = time - state.may_stand_since;
+    const bool differs = mean_of(state.innovation, looked) > design.innovation_above;
+    const bool may_stand = (!is_weighed && state.may_stand != 0.0) || (stands && is_relieved && differs);
+    const double longest = std::max(design.unconfirmed_time * window, is_weighed ? 0.0 : design.swing_time + looked);
+    const double since = time - state.may_stand_since;
     if (may_stand && since > design.pause * longest) state.may_stand_since = time;
     state.may_stand = may_stand && time - state.may_stand_since < longest;
 }
@@ -67,9 +93,15 @@ bool touches_down(const LandingDesign &design, LandingState &state, const Landin
     if (seen.has_depths == 0.0) return false;
     const double window = std::min(std::max(design.lowered / rate, design.shortest), design.longest);
     watch_unconfirmed(design, state, seen.time, window, rate);
+    if (state.is_weighed == 0.0) return stands_throughout(design, state, rate);
     for (const double factor : design.windows)
         if (shows_landing(design, state, factor * window, rate, share)) return true;
     return false;
+}
+
+bool hangs_again(const LandingDesign &design, const LandingState &state, const LandingSeen &seen, double share) {
+    if (state.is_weighed != 0.0) return state.is_lifting != 0.0 && share > 1.0;
+    return state.unit_stands != 0.0 && seen.sees_landing != 0.0 && rises_throughout(design, state);
 }
 
 }  // namespace
@@ -84,6 +116,7 @@ void begin_landing(LandingState &state) {
 
 void observe_landing(const LandingDesign &design, LandingState &state, const LandingSeen &seen) {
     // what a lost load cell read last, again and again, is no tension
+    state.is_weighed = seen.is_weighed;
     if (seen.is_weighed == 0.0) state.tension.count = state.tension.next = 0;
     else if (std::isfinite(seen.tension)) add(state.tension, seen.time, seen.tension);
     add(state.payout, seen.time, seen.mean_payout);
@@ -102,7 +135,7 @@ void judge_landing(const LandingDesign &design, LandingState &state, const Landi
         state.unit_stands = 1.0;
         state.may_stand = state.is_lifting = 0.0;
         state.event = TOUCHDOWN;
-    } else if (state.is_lifting != 0.0 && share > 1.0) {
+    } else if (hangs_again(design, state, seen, share)) {
         state.unit_stands = state.is_lifting = 0.0;
         state.event = LIFTED_OFF;
     }

@@ -33,7 +33,8 @@ void observe_landing(const Supervising &on, const double *depths, const Lost &lo
     for (int i = 0; i < int(tick.depth_count); i++) add(on.landing_state->depth, depths[2 * i], depths[2 * i + 1]);
     LandingSeen seen{};
     seen.time = tick.number * on.design->tick_period;
-    seen.tension = tick.tension, seen.is_weighed = !lost.cell, seen.mean_payout = tick.motions.mean_payout;
+    seen.tension = tick.tension, seen.is_weighed = !lost.cell && std::isfinite(tick.filtered_tension);
+    seen.mean_payout = tick.motions.mean_payout;
     seen.hanging_depth = -tick.motions.hanging_heave, seen.hanging_stretch = tick.motions.hanging_stretch;
     seen.innovation = tick.depth_innovation;
     observe_landing(*on.landing, *on.landing_state, seen);
@@ -213,7 +214,6 @@ void watch_landing(const Supervising &on, int &happened) {
     const bool is_blind = compensates && tick.sees_landing == 0.0 && landing.unit_stands == 0.0;
     const bool lowers = is_blind && landing.lowering_rate >= design.least_rate;
     if (begins(on.state->quiet[2], design.quiet_time, design.tick_period, lowers)) happened |= LOWERS_BLIND;
-    if (!std::isfinite(tick.filtered_tension)) return;
     LandingSeen seen{};
     seen.time = tick.number * design.tick_period, seen.filtered_tension = tick.filtered_tension;
     seen.sees_landing = tick.sees_landing, seen.has_depths = tick.depth_count > 0.0;

@@ -52,7 +52,7 @@ class WinchController(ControllerEvents):
         self._follow_beliefs(tick)
         self._watch_encoder(tick)
         loop = self._estimation.step(
-            tick, measurements, self._command.shares, unit_stands=not self._supervisor.landing.hangs
+            tick, measurements, self._command.shares, unit_stands=not self._supervisor.landing.shows_hanging
         )
         self._alarms += loop.faults
         decision = self._decide(loop, measurements, self._prove(measurements, loop))
@@ -153,7 +153,7 @@ class WinchController(ControllerEvents):
         What was measured meanwhile is given to the next `step`, which reports how many ticks were left out. Returns
         what an operator has requested since the tick before, in words.
         """
-        shares, stands = self._command.shares, not self._supervisor.landing.hangs
+        shares, stands = self._command.shares, not self._supervisor.landing.shows_hanging
         self._estimation.step(tick, Measurements(), shares, unit_stands=stands)
         self._estimation.advance_mean(shares.mean, is_braked=self.modes.brake)
         self._winch.keep()

@@ -20,6 +20,17 @@ from winch_controller_node.node_parameters import WinchControllerParameters
 LOST_TIME = 1.0
 """An encoder that is lost for so long is lost indeed [s]; one with play is still for a moment when the drum turns."""
 
+THEN = {
+    (LandingEvent.TOUCHDOWN, True): "The winch changes to constant tension",
+    (
+        LandingEvent.TOUCHDOWN,
+        False,
+    ): "The move ends. Compensation continues: holding tension needs the load cell",
+    (LandingEvent.LIFTED_OFF, True): "The winch compensates and raises the load by tension.lift_height",
+    (LandingEvent.LIFTED_OFF, False): "Compensation continues",
+}
+"""What follows an event, with the load cell and without."""
+
 
 class ControllerEvents(OperatorRequests):
     """The jumps of a controller: all of them go on from where loop and winch are, without a step in the motion."""
@@ -49,7 +60,7 @@ class ControllerEvents(OperatorRequests):
             self._estimation.begin_share()
         starts = mode.mode is Mode.COMPENSATING and before is not Mode.FADE_OUT
         if starts and before is Mode.CONSTANT_TENSION:
-            self._hand_over(loop, unit_stood=False)
+            self._hand_over(loop)
         elif starts or (mode.mode is Mode.FADE_OUT and before is Mode.CONSTANT_TENSION):
             self._estimation.return_to_mean(loop)
             # what follows the sea is not leftover payout
@@ -57,25 +68,32 @@ class ControllerEvents(OperatorRequests):
             restart(self, Event.FOLLOWS)
 
     def _act_on(self, landing: LandingEvent | None, loop: LoopTick) -> None:
-        """Hold the tension of a unit that has landed, compensate one that hangs again."""
+        """Hold the tension of a unit that has landed, compensate one that hangs again.
+
+        Without the load cell no tension can be held: the winch goes on compensating over a slack rope.
+        """
         if landing is None:
             return
-        parameters = self.parameters.tension
+        parameters, is_weighed = self.parameters.tension, self._supervisor.landing.is_weighed
         if landing is LandingEvent.TOUCHDOWN:
+            self.mean.halt(self.parameters.modes.stop_deceleration)
+        if not is_weighed:
+            if landing is LandingEvent.LIFTED_OFF:
+                self._hand_over(loop, stood_under=self.design.wet_tension)
+        elif landing is LandingEvent.TOUCHDOWN:
             was = self.mode
             self.modes.touch_down()
-            self.mean.halt(self.parameters.modes.stop_deceleration)
             relief = (1.0 - parameters.landing_ratio) * self.design.unit_weight
             self._hold_tension(self.design.wet_tension - relief, was=was)
         else:
             self.modes.lift_off()
-            self._hand_over(loop, unit_stood=True)
+            self._hand_over(loop, stood_under=loop.filtered_tension)
             self.mean.move_to(self.mean.point.payout - parameters.lift_height)
-        self._alarms.append(ALARMS.alarm(landing.value))
+        self._alarms.append(ALARMS.alarm(landing.value, then=THEN[landing, is_weighed]))
 
-    def _hand_over(self, loop: LoopTick, *, unit_stood: bool) -> None:
-        """Make the present depth of the unit the mean and go on from there."""
-        self._estimation.hand_over(loop, unit_stood=unit_stood)
+    def _hand_over(self, loop: LoopTick, *, stood_under: float | None = None) -> None:
+        """Make the present depth of the unit, which `stood_under` a tension [N] until now, the mean."""
+        self._estimation.hand_over(loop, stood_under=stood_under)
         restart(self, Event.FOLLOWS)
 
     def under(self, nominal: WinchControllerParameters) -> WinchControllerParameters:
