@@ -23,9 +23,7 @@ PNG_HEAD = b"\x89PNG\r\n\x1a\n"
 
 RICH = CableSimParameters(
     segments=200,
-    current_profile=CurrentProfileParameters(
-        (0.0, 150.0, 300.0), (0.8, 0.3, -0.2), (0.0, 0.4, 0.1), (0.0, 9.0), (0.5, 1.0)
-    ),
+    current_profile=CurrentProfileParameters((0.0, 150.0, 300.0), (0.4, 0.15, -0.1), (0.0, 0.2, 0.05)),
     sections=SectionsParameters((60.0,), (0.06,), (0.0,), (9.0,), (8e6,)),
     clumps=ClumpsParameters((150.0,), (800.0,), (0.2,), (0.0,), (0.5,)),
 )

@@ -5,7 +5,6 @@ import pytest
 from cable_sim_node.errors import NoEquilibriumError, StaticsError
 from cable_sim_node.physics.current import Current
 from heave_statics.footprint import FootprintLimits, footprint
-from heave_statics.laying import critical_angle, lay
 from heave_statics.problems import mooring_cable, submerged_cable, towing_cable
 from heave_statics.shape import cut_at_height, shape_from
 from heave_statics.system import PointLoad, StaticSection, static_cable
@@ -279,21 +278,6 @@ def test_the_crossing_of_a_height_is_on_the_curve():
     assert cut_at_height(shape, 5.0) is None
 
 
-def test_the_footprint_in_still_water_is_the_circle_of_the_flattest_catenary():
-    # thrust H, cable tangent to the bottom: inextensible catenary of parameter a = H/w:
-    # L = sqrt(h^2 + 2 h a), x = a asinh(L/a)
-    height, thrust = 100.0, 800.0
-    a = thrust / WEIGHT
-    length = math.sqrt(height**2 + 2.0 * height * a)
-    radius = a * math.asinh(length / a)
-    cable = static_cable([StaticSection(1.2 * length, 1e12, WEIGHT)], segments=50)
-    area = footprint(cable, (0, 0, 0), -height, FootprintLimits(thrust, 1e5, 1e4), headings=8, directions=90)
-    assert np.all(area.is_reachable)
-    # a polygon of 90 corners lies within (pi/90)^2/2 of its circle
-    assert area.radius == pytest.approx(radius, rel=7e-4)
-    assert area.points[0].length == pytest.approx(length, rel=1e-6)
-
-
 def test_the_footprint_stops_at_the_length_and_tension_limits():
     cable = static_cable([StaticSection(130.0, 1e12, WEIGHT)], segments=40)
     short = footprint(cable, (0, 0, 0), -100.0, FootprintLimits(800.0, 1e5, 1e4), headings=4, directions=40)
@@ -302,12 +286,6 @@ def test_the_footprint_stops_at_the_length_and_tension_limits():
     weak = footprint(cable, (0, 0, 0), -100.0, FootprintLimits(800.0, 900.0, 1e4), headings=4, directions=40)
     assert np.all(weak.radius < short.radius)
     assert all(point.tension <= 900.0 * (1.0 + 1e-6) for point in weak.points)
-
-
-def test_a_footprint_out_of_reach_is_said_so():
-    cable = static_cable([StaticSection(90.0, 1e12, WEIGHT)])
-    with pytest.raises(NoEquilibriumError, match="90 m of cable"):
-        footprint(cable, (0, 0, 0), -100.0, FootprintLimits(800.0, 1e5, 1e4), directions=8)
 
 
 def test_a_current_shifts_the_footprint_downstream():
@@ -319,15 +297,3 @@ def test_a_current_shifts_the_footprint_downstream():
     assert downstream > across > 0.0
     assert downstream > upstream
     assert across == pytest.approx(other_side, rel=1e-6)
-
-
-def test_a_cable_laid_at_constant_speed_is_a_straight_line_at_the_critical_angle():
-    # Zajac's stationary solution with zero bottom tension
-    section = StaticSection(1.0, 1e9, 10.96, 28.7, 0.0)
-    angle = critical_angle(section, 2.0)
-    assert section.weight * math.cos(angle) == pytest.approx(section.normal_drag * (2.0 * math.sin(angle)) ** 2)
-    laying = lay(section, 1000.0, (2.0, 0.0))
-    assert laying.suspended_length == pytest.approx(1000.0 / math.sin(angle), rel=1e-4)
-    assert laying.touchdown == pytest.approx([-1000.0 / math.tan(angle), 0.0], rel=1e-4)
-    # and the tension at the ship is the weight of the depth (no tangential drag)
-    assert laying.tension == pytest.approx(10.96 * 1000.0, rel=1e-4)

@@ -29,7 +29,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         ("--amplitude", "M", "linearise drag at this boom-tip amplitude (default: 0.5)"),
     ):
         parser.add_argument(name, type=float, metavar=metavar, help=text)
-    parser.add_argument("--modes", type=int, default=4, metavar="N", help="number of modes of each kind (default: 4)")
+    parser.add_argument("--modes", type=int, default=4, metavar="N", help="number of modes (default: 4)")
     parser.add_argument("--picture", type=Path, metavar="FILE", help="PNG or SVG (default: SCENARIO_modes.svg)")
 
 
