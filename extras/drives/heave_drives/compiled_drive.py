@@ -23,11 +23,6 @@ class DriveEnergy:
     lost: float  # as heat, in motor, fluid, friction and brake [J]
     stored: float  # kinetic, in compressed fluid and gas [J]; less what was stored at the start
 
-    @property
-    def imbalance(self) -> float:
-        """Energy that the books miss [J]; 0 but for the error of the integration."""
-        return self.supplied + self.from_load - self.lost - self.stored
-
 
 class CompiledDrive(abc.ABC):
     """A drive that a compiled function integrates with equal substeps (classical Runge-Kutta, fourth order).

@@ -42,17 +42,10 @@ def _make_valve(winch: WinchParameters, own: ValveControlledParameters, tension:
     return _ramped(ValveDrive(ValveDriveParameters(**_values(own), motion=_motion(winch)), tension=tension), winch)
 
 
-def _check_electric(winch: WinchParameters, own: ElectricParameters) -> None:
-    own.spool.check_rope(winch.payout_maximum)
-
-
-def _check_nothing(_: WinchParameters, own: object) -> None:
-    """Refuse nothing: a hydraulic drive's `own` parameters check themselves."""
-
-
-ELECTRIC = DriveEntry(ElectricParameters, _make_electric, _check_electric)
-PUMP_CONTROLLED = DriveEntry(PumpControlledParameters, _make_pump, _check_nothing)
-VALVE_CONTROLLED = DriveEntry(ValveControlledParameters, _make_valve, _check_nothing)
+ELECTRIC = DriveEntry(ElectricParameters, _make_electric, lambda winch, own: own.spool.check_rope(winch.payout_maximum))
+# hydraulic drives refuse nothing beside their own parameters
+PUMP_CONTROLLED = DriveEntry(PumpControlledParameters, _make_pump, lambda *_: None)
+VALVE_CONTROLLED = DriveEntry(ValveControlledParameters, _make_valve, lambda *_: None)
 
 
 def _motion(winch: WinchParameters, position_gain: float = 0.0) -> MotionParameters:

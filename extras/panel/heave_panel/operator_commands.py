@@ -56,7 +56,7 @@ def devices_of(situation: Situation) -> tuple[str, ...]:
 
 
 def inject(link: RunLink, device: str, kind: str, duration: float, magnitude: float) -> Task:
-    """Inject a fault of a `kind` into a `device`; raise ValueError, in words, where that is not simulated.
+    """Inject a fault of a `kind` into a `device` by a `link`; raise ValueError, in words, where that is not simulated.
 
     `duration` [s] 0: once, or until cleared; `magnitude` in the unit of the kind.
     """
