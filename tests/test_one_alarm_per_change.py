@@ -73,7 +73,10 @@ def test_a_change_of_the_gain_is_told_of_the_encoder_or_the_winch(gain):
     assert_told_once([first], GAIN_TOLD, gain)
     values = [form.fullmatch(words) for _, words in later for form in GAIN_TOLD]
     assert all(float(found.group(1)) == pytest.approx(gain, rel=0.07) for found in values if found is not None)
-    assert all(words.startswith(("ENCODER", "WINCH_MODEL_UPDATED (event): gain by")) for _, words in later)
+    assert all(
+        words.startswith(("IDENTIFIED, ENCODER", "NOMINAL, ENCODER", "WINCH_MODEL_UPDATED (event): gain by"))
+        for _, words in later
+    )
     assert not any(alarm.name.startswith("COMMANDS_") for _, alarm in alarms)
 
 

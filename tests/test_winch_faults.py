@@ -112,7 +112,7 @@ def test_a_brake_that_stays_shut_is_named_without_the_drives_supervision_and_one
     run.inject("brake_shut", duration=lasts)
     # a brake may take 3 s to open, and about a turn of the wave 0.5 s prove nothing
     run.go(BEGIN + 4.5)
-    assert any("DRUM_OR_ENCODER: still" in told for _, told in run.alarms) is named
+    assert any("DRUM_OR_ENCODER (high): the count does not change" in told for _, told in run.alarms) is named
     run.go(BEGIN + 9.0)
     assert [told.startswith("DRIVE_AT_FAULT") for _, told in run.alarms].count(True) == int(named), "once"
 

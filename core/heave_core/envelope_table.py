@@ -114,7 +114,7 @@ CABLE = structure(
 
 BOUNDS = structure(
     "Bounds",
-    "Margins and times of the envelope: the parameters `envelope.` of the same names.",
+    "Margins and times of the envelope: the fields of `EnvelopeParameters` of the same names.",
     Row("window", "s", "time over which the ship's motion is watched"),
     Row("rate_factor", "", "speed about the asked move over the largest rate of the boom tip"),
     Row("rate_margin", "m/s", "speed beyond that"),

@@ -102,7 +102,7 @@ def test_a_distance_far_from_that_of_count_or_depth_sensor_is_not_taken():
     assert envelope._core.state["move"]["distance"][0] == pytest.approx(1.0 + NOMINAL.envelope.move_tolerance)
 
 
-def test_every_margin_is_a_parameter_and_nothing_else_fills_the_design():
+def test_every_margin_is_a_field_of_the_parameters_and_nothing_else_fills_the_design():
     design = nominal_design(NOMINAL, CABLE, TICK)["envelope"]
     changed = replace(NOMINAL, envelope=replace(NOMINAL.envelope, rate_factor=2.0, damping_rate=0.1))
     other = nominal_design(changed, CABLE, TICK)["envelope"]

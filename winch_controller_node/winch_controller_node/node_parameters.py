@@ -120,9 +120,7 @@ class WinchControllerParameters(LawGroups):
     operator: OperatorParameters = group(OperatorParameters)
     programme: ProgrammeParameters = group(ProgrammeParameters)
     health: HealthParameters = group(HealthParameters)
-    kpi_window: float = parameter(
-        60.0, unit="s", minimum=1.0, maximum=3600.0, description="Length of the rolling window of controller/kpi."
-    )
+    kpi_window: float = 60.0  # length of the rolling window of controller/kpi [s]
 
     @property
     def identifies_winch(self) -> bool:

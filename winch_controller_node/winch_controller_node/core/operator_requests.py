@@ -148,10 +148,6 @@ class OperatorRequests(ControllerParts):
             raise ModeError(f"a speed must be a number; got {speed} m/s")
         self._operator.ask(stated(speed))
 
-    def release_speed(self) -> None:
-        """Let the operator's speed lapse with the next tick."""
-        self._operator.release()
-
     def _follow_operator(self) -> None:
         """Drive the mean payout as the operator asks, and bring it to rest when that has lapsed."""
         if self._operator.is_asked and self.mode in OPERATED:

@@ -19,10 +19,10 @@ class CraneModelParameters(CraneParameters):
         description="Joints that crane/pose measures; others keep the reference pose.", choices=JOINTS)  # fmt: skip
     pose_timeout: float = parameter(1.0, "s", 0.05, 60.0,
         "Age of the newest usable pose above which it is stale, and the last one is held.")  # fmt: skip
-    largest_turn_rate: float = parameter(0.1, "rad/s", 1e-3, 3.0,
-        "Fastest that slew, luff or knuckle can turn: an angle that changes faster has jumped.")  # fmt: skip
-    largest_extension_rate: float = parameter(0.5, "m/s", 1e-3, 10.0,
-        "Fastest that the boom can extend: an extension that changes faster has jumped.")  # fmt: skip
+    # fastest that slew, luff or knuckle can turn: an angle that changes faster has jumped [rad/s]
+    largest_turn_rate: float = 0.1
+    # fastest that the boom can extend: an extension that changes faster has jumped [m/s]
+    largest_extension_rate: float = 0.5
 
     @property
     def largest_rates(self) -> tuple[float, ...]:

@@ -30,7 +30,7 @@ class LimitParameters:
 class GuardParameters:
     """Never worse than off: compensation is faded out when it is harmful."""
 
-    window: float = parameter(40.0, "s", 1.0, 3600.0, "Time constant of the comparison with uncompensated motion.")
+    window: float = 40.0  # time constant of the comparison with uncompensated motion [s]
     harm_ratio: float = parameter(0.9, "", 0.05, 10.0,
         "Fade out when the residual exceeds this fraction of the uncompensated motion; with a gain A below 1, when it "
         "exceeds 1 - A (1 - harm_ratio). No attempt if more is predicted.")  # fmt: skip
@@ -47,7 +47,7 @@ class LagParameters:
 
     adaptation: bool = parameter(True,
         description="Identify lag, delay, gain and limits of the winch by its encoder.")  # fmt: skip
-    window: float = parameter(20.0, "s", 5.0, 600.0, "Length of the record by which the winch is identified.")
+    window: float = 20.0  # length of the record by which the winch is identified [s]
     largest: float = parameter(0.3, "s", 0.0, 5.0,
         "Largest delay of commands beyond the nominal one: above it compensation ends.")  # fmt: skip
 
@@ -81,9 +81,9 @@ class TensionLawParameters:
     touchdown_ratio: float = parameter(0.6, "", 0.0, 0.99,
         "The unit has landed when, lowering, the cable carries less than this fraction of its weight.")  # fmt: skip
     lift_height: float = parameter(2.0, "m", 0.0, 100.0, "Height to which the unit is raised after lift-off.")
-    time_constant: float = parameter(2.0, "s", 0.1, 600.0, "Time constant of the tension loop.")
-    ramp_time: float = parameter(8.0, "s", 0.1, 600.0, "Time over which the set-point is ramped to its new value.")
-    speed_limit: float = parameter(0.3, "m/s", 0.001, 10.0, "Largest correction added to the boom-tip rate.")
+    time_constant: float = 2.0  # time constant of the tension loop [s]
+    ramp_time: float = 8.0  # time over which the set-point is ramped to its new value [s]
+    speed_limit: float = 0.3  # largest correction added to the boom-tip rate [m/s]
 
     travel: float = parameter(3.0, "m", 0.01, 1000.0,
         "Cable that constant tension may pay out or haul in, beyond what the change of tension requires.")  # fmt: skip
@@ -96,11 +96,10 @@ class TensionLawParameters:
 class AlarmParameters:
     """Alarms of tension and winch."""
 
-    slack_ratio: float = parameter(0.05, "", 0.0, 1.0, "Alarm below this fraction of static tension; 0: none.")
+    slack_ratio: float = 0.05  # alarm below this fraction of static tension; 0: none
     tension_ratio: float = parameter(1.5, "", 0.0, 100.0, "Alarm above this multiple of static tension; 0: none.")
-    saturation_share: float = parameter(0.25, "", 0.0, 1.0,
-        "Alarm when the winch is at its limits for more than this fraction of the time.")  # fmt: skip
-    saturation_time: float = parameter(60.0, "s", 1.0, 3600.0, "Averaging time of that fraction.")
+    saturation_share: float = 0.25  # alarm when the winch is at its limits for more than this fraction of the time
+    saturation_time: float = 60.0  # averaging time of that fraction [s]
 
 
 @dataclass(frozen=True)
@@ -121,7 +120,7 @@ class MoveParameters:
 
     speed: float = parameter(0.5, "m/s", 1e-3, 10.0, "Largest mean speed of a move.")
     acceleration: float = parameter(0.05, "m/s^2", 1e-4, 5.0, "Largest mean acceleration of a move.")
-    jerk_time: float = parameter(2.0, "s", 0.0, 60.0, "Time over which acceleration ramps up.")
+    jerk_time: float = 2.0  # time over which acceleration ramps up [s]
 
 
 @dataclass(frozen=True)
@@ -172,11 +171,9 @@ class HealthParameters:
     """Gates in front of the estimator."""
 
     frozen_samples: int = parameter(3, "", 2, 1000, "Number of equal readings in a row that mark a sensor as frozen.")
-    stale_samples: float = parameter(3.0, "", 1.0, 1000.0, "Number of missing readings after which a sensor is lost.")
-    recover_samples: int = parameter(10, "", 1, 10_000,
-        "Number of good readings in a row after which a lost sensor is good again.")  # fmt: skip
-    stamp_tolerance: float = parameter(0.001, "s", 0.0, 1.0,
-        "Largest time by which the stamp of a reading may be ahead of now.")  # fmt: skip
+    stale_samples: float = 3.0  # number of missing readings after which a sensor is lost
+    recover_samples: int = 10  # number of good readings in a row after which a lost sensor is good again
+    stamp_tolerance: float = 0.001  # largest time by which the stamp of a reading may be ahead of now [s]
     encoder_step: float = parameter(0.05, "m", 1e-3, 10.0, "Deviation above which an encoder step is a jump.")
     payout_tolerance: float = parameter(0.01, "", 0.0, 1.0,
         "Difference of depth sensor and payout that may be, over the cable that is out, beside 3 m of tide and "

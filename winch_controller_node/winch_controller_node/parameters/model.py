@@ -21,12 +21,12 @@ class CableModelParameters:
     inertia: float = parameter(0.0, "s^2", 0.0, 1e4,
         "a of a x'' + b x' + x = x0 - payout; 0 derives it from cable, unit, length.")  # fmt: skip
     damping: float = parameter(0.0, "s", 0.0, 1e4,
-        "b of the same equation; 0 derives it from drag: linearised at drag_amplitude, and at the unit's speed where "
+        "b of the same equation; 0 derives it from drag: linearised at 0.1 m, and at the unit's speed where "
         "that is more. A value given holds at any speed.")  # fmt: skip
     inertia_factor: float = parameter(1.0, "", 0.1, 10.0, "Factor on a, for model errors and trials.")
     damping_factor: float = parameter(1.0, "", 0.0, 100.0, "Factor on b, for model errors and trials.")
-    drag_amplitude: float = parameter(0.1, "m", 0.0, 20.0,
-        "Amplitude at which drag is linearised; small, because the compensated unit hardly moves.")  # fmt: skip
+    # amplitude at which drag is linearised; small, because the compensated unit hardly moves [m]
+    drag_amplitude: float = 0.1
     disturbance: float = parameter(3e-4, "m/s^2/sqrt(Hz)", 0.0, 10.0,
         "Unmodelled white acceleration of the unit (two-sided density).")  # fmt: skip
 
@@ -121,13 +121,12 @@ class WeightParameters:
     unit_heave: float = parameter(0.05, "m", 0.0, None,
         "Cost of laws lqr and lqg: scale of unit heave (one scale of each costs the same); smaller is tighter. Law "
         "mpc has mpc.unit_heave.")  # fmt: skip
-    unit_heave_rate: float = parameter(0.0, "m/s", 0.0, None,
-        "The same cost: scale of the unit's heave rate; 0 leaves it out.")  # fmt: skip
+    unit_heave_rate: float = 0.0  # the same cost: scale of the unit's heave rate; 0 leaves it out [m/s]
     outlet_heave: float = parameter(0.05, "m", 0.0, None,
         "The same cost: scale of boom-tip heave less payout; 0 leaves it out.")  # fmt: skip
     payout: float = parameter(50.0, "m", 0.0, None,
         "The same cost: scale of payout about its mean, which prevents drift; 0 leaves it out.")  # fmt: skip
-    payout_rate: float = parameter(0.0, "m/s", 0.0, None, "The same cost: scale of payout speed; 0 leaves it out.")
+    payout_rate: float = 0.0  # the same cost: scale of payout speed; 0 leaves it out [m/s]
     payout_acceleration: float = parameter(2.0, "m/s^2", 0.0, None,
         "The same cost: scale of payout acceleration; 0 leaves it out.")  # fmt: skip
     command: float = parameter(20.0, "m/s", 0.0, None,

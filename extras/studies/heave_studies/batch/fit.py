@@ -33,7 +33,7 @@ COVERED: Mapping[str, tuple[str, ...]] = {
         *("winch.speed_limit", "winch.acceleration_limit", "winch.payout_minimum", "winch.payout_maximum"),
         *("winch.power_limit", "winch.disturbance", "sea.", "vessel.", "sensors.", "limits.", "guard.", "lag."),
         *("modes.settling_time", "modes.fade_in_time", "modes.fade_out_time", "modes.coast_time", "modes.resume"),
-        *("tension.", "envelope.", "alarms.", "entry.", "move.", "operator.", "health.", "kpi_window"),
+        *("tension.", "envelope.", "alarms.", "entry.", "move.", "operator.", "health."),
     ),
 }
 """Parameters by node that a screening covers; a group ends with a point."""
