@@ -5,9 +5,10 @@ from heave_bringup.closed_loop import ClosedLoop, loop_parameters
 from heave_bringup.scenarios import load_scenario
 from heave_node.interface.alarm import Alarm
 from heave_node.interface.codes import WinchFault
-from winch_controller_node.core.supervision.late_commands import CUT_TIME, LATE_WINDOW, LateCommands
+from winch_controller_node.core.supervision.late_commands import CUT_TIME, LATE_WINDOW
 from winch_controller_node.core.supervision.modes import WAIT, Mode
 
+from tests.core_parts import LateCommands
 from tests.supervised import Supervised
 
 DT = 0.05

@@ -10,8 +10,7 @@ from heave_core.watch import Drum, drum_records, sent_points
 from heave_node.interface.faults import FaultParameters
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from winch_controller_node.adviser.drum.drum_fit import LIMITS, _improbability, fit_drum
-from winch_controller_node.adviser.drum.drum_prior import prior_of
+from winch_controller_node.adviser.drum.drum_fit import LIMITS, _improbability, fit_drum, prior_of
 from winch_controller_node.adviser.drum.drum_record import FACTOR, DrumRecord
 from winch_controller_node.adviser.drum.drum_search import PRICES, begun, identify
 from winch_controller_node.adviser.record import SensorHistory

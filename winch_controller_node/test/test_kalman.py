@@ -354,10 +354,3 @@ def test_the_loop_of_the_thesis_is_estimated_by_filterpy_as_by_the_compiled_filt
     loop.run(lambda _, outputs: payouts.append(outputs.order.payout))
     assert np.std(payouts) > 0.05, "the winch moves, once two waves have been seen"
     assert max(apart) < 1e-6
-
-
-@pytest.mark.parametrize("implementation", ["compiled", "filterpy"])
-def test_a_model_with_other_states_or_measurements_needs_a_new_estimator(implementation):
-    kalman = estimator(implementation, 1, linear=True)
-    with pytest.raises(ValueError, match="needs a new estimator"):
-        kalman.set_model(kalman.model, list(kalman.measurements.values())[1:])

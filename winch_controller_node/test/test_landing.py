@@ -16,6 +16,7 @@ from winch_controller_node.core.supervision.landing import EVENTS, HangingLoad, 
 from winch_controller_node.core.supervision.modes import Mode, ModeOutput
 from winch_controller_node.parameters.laws import TensionLawParameters
 
+from tests.core_parts import add_depth, judge_landing, observe_landing, trend_of
 from tests.gates import MeanTension
 from tests.supervised import Supervised
 
@@ -35,13 +36,13 @@ class Landing(production.Landing):
 
     def observe(self, time, now, mean_payout, hanging):
         for stamp, depth in now.depths:
-            self.core.add_depth(stamp, depth)
+            add_depth(self.core, stamp, depth)
         is_weighed = "load_cell" not in now.lost
-        self.core.observe(time, now.tension, is_weighed, mean_payout, *hanging, now.depth_innovation)
+        observe_landing(self.core, time, now.tension, is_weighed, mean_payout, *hanging, now.depth_innovation)
 
     def update(self, now, mode):
         compensates = mode.mode is Mode.COMPENSATING and mode.authority > production.LEAST_AUTHORITY
-        self.core.judge(now.filtered_tension, now.sees_landing, bool(now.depths), compensates)
+        judge_landing(self.core, now.filtered_tension, now.sees_landing, bool(now.depths), compensates)
         return None if self.event is Landed.NOT else EVENTS[self.event]
 
 
@@ -60,10 +61,10 @@ def a_trend(times, values):
     """Return a function of a window [s] that asks the depth's trend of these readings."""
     watch = LandingWatch(landing_design(HangingLoad(60e3, 50e3, 1e6), 0.3))
     for time, value in zip(times, values, strict=True):
-        watch.add_depth(float(time), float(value))
+        add_depth(watch, float(time), float(value))
 
     def ask(window):
-        return watch.trend("depth", window)
+        return trend_of(watch, "depth", window)
 
     ask.watch = watch
     return ask
@@ -92,7 +93,7 @@ def test_of_more_readings_than_are_kept_the_newest_are_and_none_is_older_than_th
     times = 0.01 * np.arange(6000)
     values = np.sin(times)
     trend = a_trend(times, values)
-    trend.watch.add_depth(times[-1], 1e9)
+    add_depth(trend.watch, times[-1], 1e9)
     within = times >= times[-1] - 30.0
     found = trend(30.0)
     assert found.slope == pytest.approx(np.polyfit(times[within], values[within], 1)[0], abs=1e-9)

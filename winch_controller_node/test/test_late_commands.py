@@ -4,7 +4,8 @@ import pytest
 from cable_sim_node.winch.component import VirtualWinch, WinchCommand
 from cable_sim_node.winch.parameters import WinchParameters
 from heave_node.interface.faults import FaultParameters
-from winch_controller_node.core.supervision.late_commands import LateCommands
+
+from tests.core_parts import LateCommands
 
 DT = 0.05
 
