@@ -240,5 +240,5 @@ def test_a_slow_late_depth_sensor_is_compared_with_where_the_unit_was():
     given_settings = [f"system.sensors.depth.{name}" for name in ("rate=1", "noise=0.1", "latency=1.0")]
     scenario = load_scenario("module_900", settings=["all.duration=45", *given_settings])
     record = ClosedLoop(loop_parameters(scenario)).run()
-    assert "DEPTH_MRU_DISAGREE" not in {alarm.code for _, alarm in record.alarms}
+    assert "DEPTH_MRU_DISAGREE" not in {alarm.name for _, alarm in record.alarms}
     assert record.modes[-1] == "compensating"

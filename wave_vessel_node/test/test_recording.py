@@ -274,8 +274,8 @@ def test_a_compressed_bag_is_refused_with_the_command_that_unpacks_it(tmp_path):
         for message in messages:
             writer.add_message(channel, 1, zstandard.compress(bytes(serialize_message(message))), 1)
         writer.finish()
-    with pytest.raises(RecordingError, match=r"compressed one by one; heave repair BAG --output NEW"):
+    with pytest.raises(RecordingError, match=r"compressed one by one; write it anew: ros2 bag convert"):
         read_recording(path, "mru")
     path.rename(tmp_path / "m.mcap.zstd")
-    with pytest.raises(RecordingError, match=r"m\.mcap\.zstd is compressed; heave repair BAG --output NEW"):
+    with pytest.raises(RecordingError, match=r"m\.mcap\.zstd is compressed; unpack it: zstd -d"):
         read_recording(tmp_path, "mru")

@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
+from heave_bringup.operate.link import RunLink
 from heave_bringup.operate.moves import Lowering, MoveBy
 from heave_bringup.operate.requests import (
     NODE_OF_DEVICE,
@@ -16,7 +17,7 @@ from heave_bringup.operate.requests import (
     request_snapshot,
 )
 from heave_bringup.operate.situation import Situation
-from heave_bringup.operate.tasks import AnyOf, ClockTask, Link, Stop, Task
+from heave_bringup.operate.tasks import AnyOf, ClockTask, Stop, Task
 from heave_node.interface.fault_kinds import FAULTS
 
 INJECT = "inject"
@@ -25,7 +26,7 @@ NUDGE = 0.1
 NUDGE_TIME = 1.0
 """Simulated time for which one push of them holds [s]."""
 
-Begin = Callable[[Link, str], Task]
+Begin = Callable[[RunLink, str], Task]
 
 
 @dataclass(frozen=True)
@@ -74,7 +75,7 @@ def devices_of(situation: Situation) -> tuple[str, ...]:
     return tuple(NODE_OF_DEVICE) if situation.simulated is None else situation.simulated
 
 
-def _fault(link: Link, text: str) -> Task:
+def _fault(link: RunLink, text: str) -> Task:
     device, kind, duration, magnitude = fault_of(text)
     simulated = devices_of(link.situation)
     if device not in simulated:
@@ -82,14 +83,14 @@ def _fault(link: Link, text: str) -> Task:
     return link.start(request_fault(device, kind, duration, magnitude))
 
 
-def _clear(link: Link, _: str) -> Task:
+def _clear(link: RunLink, _: str) -> Task:
     simulated = devices_of(link.situation)
     if not simulated:
         raise ValueError("nothing is simulated in this run: there is no fault to clear")
     return AnyOf([link.start(request_fault(device, "clear")) for device in simulated])
 
 
-def _pause(link: Link, _: str) -> Task:
+def _pause(link: RunLink, _: str) -> Task:
     return ClockTask(link, is_paused=not link.situation.is_paused)
 
 

@@ -98,17 +98,17 @@ def test_whatever_viewers_do_at_most_one_of_those_present_is_in_command(steps):
 
 FROZEN = Trouble(
     "winch_controller: sensor mru",
-    "MRU_FROZEN (high): readings do not change. Compensation fades out. Restart the sensor and its driver.",
+    "SENSOR_LOST, MRU (high): readings do not change. Compensation fades out. Restart the sensor and its driver.",
     is_error=True,
 )
-KEY = "winch_controller MRU_FROZEN"
+KEY = "winch_controller SENSOR_LOST, MRU"
 
 
 def test_an_alarm_has_severity_time_text_and_action():
     alarms = AlarmList()
     alarms.note(10.0, {FROZEN.part: FROZEN})
     (alarm,) = alarms.alarms
-    assert (alarm.key, alarm.title, alarm.severity, alarm.since) == (KEY, "MRU FROZEN", Severity.HIGH, 10.0)
+    assert (alarm.key, alarm.title, alarm.severity, alarm.since) == (KEY, "SENSOR LOST, MRU", Severity.HIGH, 10.0)
     assert alarm.action == "Restart the sensor and its driver"
     assert alarm.text == "readings do not change. Compensation fades out."
 
@@ -152,7 +152,7 @@ def test_what_two_parts_report_is_one_alarm_and_an_event_is_none():
     told = Trouble("winch_controller: alarms", message, is_error=False)
     alarms = AlarmList()
     alarms.note(10.0, {told.part: told, FROZEN.part: FROZEN})
-    assert [alarm.title for alarm in alarms.alarms] == ["MRU FROZEN", "CABLE SLACK"]
+    assert [alarm.title for alarm in alarms.alarms] == ["SENSOR LOST, MRU", "CABLE SLACK"]
     alarms.note(11.0, {FROZEN.part: FROZEN})
     assert [alarm.is_active for alarm in alarms.alarms] == [True, False]
 

@@ -1,7 +1,7 @@
 """Samples of motion or elevation from a bag (MCAP), by the messages of this suite.
 
 What can be read of a bag is read and the rest is named: a power cut leaves empty files, files of zeros and files
-without an end beside sound ones. `heave repair` gets more out of a damaged file, and unpacks what is compressed.
+without an end beside sound ones. `heave repair` gets more out of a damaged file.
 """
 
 from __future__ import annotations
@@ -25,7 +25,6 @@ Sample = tuple[float, float, float, float]
 _DAMAGE = (McapError, struct.error, zstandard.ZstdError, RuntimeError, ValueError, EOFError, OSError, MemoryError)
 """Errors that the readers of MCAP and of its compressions raise for a file that is cut off or damaged."""
 _ZSTD_MAGIC = b"\x28\xb5\x2f\xfd"
-_UNPACK = "heave repair BAG --output NEW makes a bag that can be read here"
 
 
 class BagMotionError(ValueError):
@@ -73,7 +72,7 @@ def _files(path: Path) -> list[Path]:
         return files
     packed = sorted(file.name for file in path.glob("*.mcap.z*"))
     if packed:
-        raise BagMotionError(f"{path}: {packed[0]} is compressed; {_UNPACK}")
+        raise BagMotionError(f"{path}: {packed[0]} is compressed; unpack it: zstd -d {packed[0]}")
     raise BagMotionError(f"{path}: the folder has no .mcap file")
 
 
@@ -123,7 +122,7 @@ def _decoder(path: Path, schema: Schema | None, channel: Channel) -> Callable[[_
 
 def _plain(path: Path, data: bytes) -> bytes:
     if data.startswith(_ZSTD_MAGIC):  # no serialised message begins so
-        raise BagMotionError(f"{path}: its messages are compressed one by one; {_UNPACK}")
+        raise BagMotionError(f"{path}: its messages are compressed one by one; write it anew: ros2 bag convert")
     return data
 
 
