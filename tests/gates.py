@@ -27,6 +27,8 @@ from winch_controller_node.interface.alarms import ALARMS
 from winch_controller_node.node_parameters import WinchControllerParameters
 from winch_controller_node.parameters.laws import HealthParameters
 
+from tests.core_parts import COUNT, FLAG, NUMBER, part
+
 CODES = {words: int(code) for code, words in REASONS.items()}
 
 
@@ -60,6 +62,17 @@ class Part:
         self.core.heave_core_sense_begin(*self.at)
 
 
+def gate_at(part, place):
+    """Return tolerances, sensor and gate of the sensor at a `place`."""
+    row = slice(place, place + 1)
+    return part.design["health"], part.design["sensors"][0, row], part.memory["gates"][0, row]
+
+
+def take_back(gate, reason, is_news):
+    """Take the last reading of a `gate` back for a `reason`."""
+    part("take_back")(gate[0], gate[2], reason, is_news)
+
+
 class SensorGate(Part, GateView):
     """The gate of a `sensor` with its own `timing`."""
 
@@ -70,26 +83,25 @@ class SensorGate(Part, GateView):
         assumed["period"], assumed["latency"] = timing.period, timing.latency
         assumed["longest_period"] = max(timing.period, LONGEST_PERIOD)
         self.begin()
+        self.gate_at = gate_at(self, self.place)
         GateView.__init__(self, sensor, self.memory[0]["gates"][self.place], assumed, health)
 
     def judge(self, now, time, values, status="", part=()):
         """`part` is the first two of `values`, as an MRU has it."""
         given = np.array(values, dtype=float)
-        return bool(
-            self.core.heave_core_gate(*self.at, self.place, now, time, given.ctypes.data, len(given), CODES[status])
-        )
+        return part("judge", result=FLAG)(*self.gate_at, now, time, given, len(given), CODES[status])
 
     def take_back(self, *, is_spike):
-        self.core.heave_core_gate_take_back(*self.at, self.place, Reason.SPIKE, is_spike)
+        take_back(self.gate_at, Reason.SPIKE, is_spike)
 
     def take_back_jump(self):
-        self.core.heave_core_gate_take_back(*self.at, self.place, Reason.JUMP, True)
+        take_back(self.gate_at, Reason.JUMP, True)
 
     def tick(self, now):
-        self.core.heave_core_gate_tick(*self.at, self.place, now)
+        part("tick_gate")(*self.gate_at, now)
 
     def is_newly_slow(self):
-        return bool(self.core.heave_core_gate_is_slow(*self.at, self.place))
+        return part("is_slow", result=FLAG)(self.gate_at[0], self.gate_at[2]["interval"])
 
     @property
     def interval(self):
@@ -104,7 +116,7 @@ def delivered(reading):
 
 def judge_mru(gate, now, reading, steps=None, noise=None):
     """Return whether a `gate` of an MRU lets a reading through."""
-    return bool(gate.core.heave_core_mru(*gate.at, now, delivered(reading).ctypes.data))
+    return part("admits_mru", result=FLAG)(gate.design, gate.memory, now, delivered(reading))
 
 
 class MruSteps(Part):
@@ -118,7 +130,7 @@ class MruSteps(Part):
         self.core.heave_core_restart_steps(self.at[1])
 
     def is_off(self, reading, noise):
-        return bool(self.core.heave_core_mru_is_off(*self.at, delivered(reading).ctypes.data, noise))
+        return part("is_off", result=FLAG)(self.design["steps"], self.memory["mru"], delivered(reading), noise)
 
 
 class DepthJumps(Part):
@@ -126,7 +138,7 @@ class DepthJumps(Part):
 
     def take_off(self, time, depth, noise=0.0):
         """Return the depth without jumps [m]; None: it has just jumped."""
-        found = self.core.heave_core_depth(*self.at, time, depth, noise)
+        found = part("take_off", result=NUMBER)(self.design["steps"], self.memory["jumps"], time, depth, noise)
         return None if math.isnan(found) else found
 
     @property
@@ -147,14 +159,17 @@ class EncoderGate(Part, EncoderView):
         place = SENSOR["encoder"]
         assumed = self.design[0]["sensors"][place]
         self.gate = GateView("encoder", self.memory[0]["gates"][place], assumed, health)
-        self.gate.tick = lambda now: self.core.heave_core_gate_tick(*self.at, place, now)
+        self.gate_at = gate_at(self, place)
+        self.gate.tick = lambda now: part("tick_gate")(*self.gate_at, now)
 
     def pass_tick(self, now, expected_rate):
-        self.core.heave_core_encoder_pass(*self.at, now, expected_rate)
+        travel = expected_rate * float(self.design["tick_period"][0])
+        part("pass_tick")(self.design["steps"], self.memory["encoder"], now, travel)
 
     def judge(self, now, reading, expected_rate, *, is_driven=True):
         """Return the payout without jumps [m]; None: it may not be used."""
-        found = self.core.heave_core_encoder(*self.at, now, *reading, expected_rate, is_driven)
+        judge, given = part("judge_encoder", result=NUMBER), (now, *reading, expected_rate, is_driven)
+        found = judge(self.design, self.gate_at[2], self.memory["encoder"], *given)
         return None if math.isnan(found) else found
 
     @property
@@ -171,13 +186,15 @@ class SensorNoise(Part):
         measured = self.design[0]["measured"][self.row]
         measured["nominal"], measured["is_judged"] = nominal, period <= LONGEST_PERIOD
         self.begin()
+        row = slice(self.row, self.row + 1)
+        self.noise_at = self.design["health"], self.design["measured"][0, row], self.memory["noises"][0, row]
 
     def add(self, value, stated=math.nan):
-        return self.core.heave_core_noise(*self.at, self.row, value, stated)
+        return part("add_noise", result=NUMBER)(*self.noise_at, value, stated)
 
     def news(self):
         """Return the ratio to the nominal noise when it has become much larger; else 0."""
-        self.core.heave_core_noise_is_worse(*self.at, self.row)
+        part("has_worse_noise", result=FLAG)(*self.noise_at)
         return float(self.memory[0]["noises"][self.row]["factor"])
 
 
@@ -189,7 +206,10 @@ class Consistency(Part):
         nis = np.full(len(self.memory[0]["noises"]), math.nan)
         for name, innovation in innovations.items():
             nis[INDEX[name]] = innovation.nis
-        self.bits = self.core.heave_core_consistency(*self.at, nis.ctypes.data)
+        watches, dt = self.design["watches"], float(self.design["tick_period"][0])
+        for row in np.flatnonzero(self.design["measured"][0]["is_compared"]):
+            part("add_innovation")(watches, dt, self.memory["noises"][0, row : row + 1], nis[row])
+        self.bits = part("watch_consistency", result=COUNT)(self.design, self.memory)
 
     def restart(self):
         self.core.heave_core_restart_consistency(self.at[1])
@@ -230,7 +250,10 @@ class MeanTension(Part):
         super().__init__(tick_period)
 
     def add(self, tension, mean_payout, *, unit_stands):
-        self.core.heave_core_tension(*self.at, tension, mean_payout, unit_stands)
+        watches, mean = self.design["watches"], self.memory["mean_tension"]
+        part("filter_tension")(watches, mean, tension)
+        dt = float(self.design["tick_period"][0])
+        part("add_tension")(watches, dt, mean, tension, mean_payout, unit_stands)
 
     def restart(self):
         self.core.heave_core_restart_tension(self.at[1])

@@ -24,6 +24,8 @@ from winch_controller_node.core.supervision.supervisor import Sensed, Supervisor
 from winch_controller_node.design.design import design_controller
 from winch_controller_node.node_parameters import WinchControllerParameters
 
+from tests.core_parts import COUNT, part
+
 DT = 0.05
 
 
@@ -48,6 +50,15 @@ class Seen(NamedTuple):
 ATTEMPTS = {"largest_residual": 0.9, "interruption": 0.25, "learnt": 0.0}
 
 
+def judged(guard, seen, *, fades=False, is_certain=False):
+    """Take what is `seen` in a tick, the rows of SEEN, into a look.Guard; return what is found, as a Verdict."""
+    on = guard.design, guard.attempt_design, guard.state, guard.attempts
+    if is_certain:
+        part("inhibit")(guard.attempts)
+    part("judge_attempt")(on, seen, fades, guard.found)
+    return guard.verdict
+
+
 class Guard(look.Guard):
     """The guard's statistics alone: no attempt is remembered."""
 
@@ -58,7 +69,7 @@ class Guard(look.Guard):
         """Return what is found in a tick."""
         self.attempts[0] = np.zeros((), self.attempts.dtype)
         self.attempts["inhibits"] = inhibits
-        return super().step(*(seen or Seen()), authority, target, inhibits)
+        return judged(self, (*(seen or Seen()), authority, target, inhibits))
 
 
 class Judge(HarmGuard):
@@ -74,7 +85,7 @@ class Judge(HarmGuard):
         begun = int(self.core.attempts["begun"][0])
         if certain is not None:
             self.note_certain(certain)
-        self.core.step(*seen, authority, target, 0.0, fades=fades, is_certain=certain is not None)
+        judged(self.core, (*seen, authority, target, 0.0), fades=fades, is_certain=certain is not None)
         if self.core.attempts["begun"][0] != begun:
             self.note()
 
@@ -146,7 +157,7 @@ class Machine(mode_machine.ModeMachine):
     def step(self, told):
         """Advance a tick with the inputs `told`."""
         fill(self.situation[0], told.numbers)
-        event = library().heave_core_modes(self._at[0], self._at[1], self._at[2])
+        event = part("step_modes", result=COUNT)(*self._at[:3])
         before = int(self.state["before"][0])
         self.state["before"] = self.state["mode"]
         output = self.follow(event, before, lambda: told.words)

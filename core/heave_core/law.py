@@ -5,62 +5,23 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from functools import partial
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
 from heave_core import law_table as table
 from heave_core.filter import check_states
-from heave_core.library import library, new
+from heave_core.library import library, named, new
 from heave_core.look_table import MOTIONS
 
-WANTED_NUMBERS, GOVERNED_NUMBERS = len(table.WANTED.rows), len(table.GOVERNED.rows)
-PROBLEM_NUMBERS, LOOP_NUMBERS = len(table.PROBLEM.rows) - 1, len(table.LOOP.rows) - 2
-"""Numbers in front of the states, of which a structure consists."""
+LOOP_NUMBERS = len(table.LOOP.rows) - 2
+"""Numbers in front of the states, of which it consists."""
 
+PROBLEM_NUMBERS = len(table.PROBLEM.rows) - 1
+"""The same of a problem."""
 
-class LoopNow(NamedTuple):
-    """What is known of the loop in a tick, and what is to be done: the rows of `Loop`, in their order."""
-
-    way: table.Way
-    share: float = 0.0
-    heave: float = 0.0
-    rate: float = 0.0
-    swing: float = 0.0
-    swing_rate: float = 0.0
-    is_unseen: bool = False
-    left_over: float = 0.0
-    mean_command: float = 0.0
-    mru_rate: float = 0.0
-    tension: float = math.nan
-    filtered_tension: float = math.nan
-    gives_way: bool = False
-    bounds_tension: bool = True
-    fades: bool = False
-    is_held: bool = False
-    follows_tip: bool = True
-    unit_stands: bool = False
-    lowest: float = -math.inf
-    highest: float = math.inf
-
-
-class MadeCommand(NamedTuple):
-    """The command of a tick: the rows of `Command`, with their meanings and units."""
-
-    asked: float
-    value: float
-    sent: float
-    standing: float
-    compensating: float
-    mean: float
-    shaped: float
-    gives_way: float
-    at_travel: float
-    half_travelled: float
-    by_plan: float
-    has_plan: float
-    payout: float
-    rate: float
+MadeCommand = named(table.COMMAND)
+"""The command of a tick."""
 
 
 def put(record: Any, values: Mapping[str, Any]) -> None:
@@ -71,23 +32,6 @@ def put(record: Any, values: Mapping[str, Any]) -> None:
             field[0, : len(value)] = value
         else:
             field[0] = value
-
-
-class Governor:
-    """The governor of an active `winch`, an array of one `ActiveWinch`."""
-
-    def __init__(self, winch: Any) -> None:
-        self._wanted, self._governed = np.zeros(WANTED_NUMBERS), np.zeros(GOVERNED_NUMBERS)
-        self._winch = winch
-        self._call = library().heave_core_govern
-        self._addresses = [array.ctypes.data for array in (winch, self._wanted, self._governed)]
-
-    def step(self, wanted: Sequence[float]) -> list[float]:
-        """Return what is let through of what is `wanted`: the numbers of `Governed` and `Wanted` in their order."""
-        self._wanted[:] = wanted
-        self._call(*self._addresses)
-        numbers: list[float] = self._governed.tolist()
-        return numbers
 
 
 class Law:
@@ -114,11 +58,7 @@ class Law:
         self._numbers = self.problem.view("f8")[:PROBLEM_NUMBERS]
         self.addresses = [array.ctypes.data for array in (self.winch, self.law, self.problem, self.state)]
         called = library()
-        self._ask, self._follow, self._bound = (
-            called.heave_core_ask_law,
-            called.heave_core_follow_plan,
-            called.heave_core_bound_plan,
-        )
+        self._ask, self._follow = called.heave_core_ask_law, called.heave_core_follow_plan
         put(self.law, {"states": states, "solve_ticks": 1})
         self.restart()
 
@@ -139,10 +79,6 @@ class Law:
     def follow_plan(self) -> None:
         """Make the command with the correction that was planned."""
         self._follow(*self.addresses)
-
-    def bound_plan(self) -> None:
-        """Find the rows of the plan without a correction, and their bounds."""
-        self._bound(*self.addresses)
 
 
 class Commander:
@@ -169,15 +105,7 @@ class Commander:
         loop = new(table.LOOP)
         self._law = Law(winch, states) if law is None else law
         self.estimate, self.mean_state = loop["estimate"][0, :states], loop["mean_state"][0, :states]
-        self._loop, self._numbers = loop.view("f8")[:LOOP_NUMBERS], self._command.view("f8")
-        _, kind, problem, law_state = self._law.addresses
-        given = [array.ctypes.data for array in (winch, self.design, loop)]
-        made = [self.state.ctypes.data, self._command.ctypes.data]
-        self._act_on = [*given, kind, problem, law_state, *made]
-        self._make_on, self._pose_on = [*given, problem, *made], [*given, problem, made[1]]
-        called = library()
-        self._act, self._pose = called.heave_core_act, called.heave_core_pose
-        self._answer, self._make = called.heave_core_answer, called.heave_core_make
+        self._numbers = self._command.view("f8")
         self.records = {"winch": winch, "design": self.design, "loop": loop, "law": self._law.law}
         self.records |= {"problem": self._law.problem, "law_state": self._law.state}
         self.records |= {"state": state, "command": self._command}
@@ -193,29 +121,8 @@ class Commander:
         """State that a law acts on, shape (states,)."""
         return self._law.x
 
-    def act(self, loop: LoopNow) -> int:
-        """Make the command of a tick in a `loop`; return what is needed for it first, 0 where it is made."""
-        self._loop[:] = loop
-        asks: int = self._act(*self._act_on)
-        return asks
-
-    def pose(self, loop: LoopNow) -> None:
-        """Pose the problem of a tick in a `loop`."""
-        self._loop[:] = loop
-        self._pose(*self._pose_on)
-
-    def answer(self) -> int:
-        """Make the command of a problem that was posed; return as `act` does."""
-        asks: int = self._answer(*self._act_on)
-        return asks
-
-    def make(self, asked: float) -> None:
-        """Make the command of what was `asked` for elsewhere."""
-        self._numbers[0] = asked
-        self._make(*self._make_on)
-
     @property
-    def made(self) -> MadeCommand:
+    def made(self) -> Any:
         """The command that was made last."""
         return MadeCommand._make(self._numbers.tolist())
 
@@ -269,10 +176,5 @@ class Place:
     """
 
     def __init__(self, leak: float, reach: float) -> None:
-        self.record, self._call = new(table.PLACE), library().heave_core_place
+        self.record = new(table.PLACE)
         put(self.record, {"leak": leak, "reach": reach, "payout": math.nan})
-
-    def at_end(self, tick_period: float, rate: float, payout: float, *, is_braked: bool) -> float:
-        """Return the place [m] at the end of a tick: of a `rate` [m/s] that is sent, the drum being at a `payout`."""
-        found: float = self._call(self.record.ctypes.data, tick_period, rate, payout, is_braked)
-        return found

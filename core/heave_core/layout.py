@@ -12,7 +12,7 @@ from __future__ import annotations
 import hashlib
 import re
 from collections.abc import Mapping
-from enum import EnumMeta
+from enum import IntEnum, IntFlag
 from pathlib import Path
 
 from heave_core import (
@@ -44,7 +44,11 @@ _DEFINED = tuple(one for table in TABLES for one in vars(table).values())
 STRUCTURES = tuple(dict.fromkeys(one for one in _DEFINED if isinstance(one, Structure)))
 """In the order in which the tables define them, which C++ needs."""
 
-ENUMERATIONS = tuple(dict.fromkeys(one for one in _DEFINED if isinstance(one, EnumMeta) and one.__members__))
+ENUMERATIONS: tuple[type[IntEnum | IntFlag], ...] = tuple(
+    dict.fromkeys(
+        one for one in _DEFINED if isinstance(one, type) and issubclass(one, IntEnum | IntFlag) and one.__members__
+    )
+)
 """Names of numbers, and of bits."""
 
 SIZES = {one.text: one for one in _DEFINED if isinstance(one, Size)}

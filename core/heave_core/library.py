@@ -12,12 +12,12 @@ from collections import namedtuple
 from collections.abc import Iterator, Mapping
 from functools import lru_cache
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
 from heave_core import layout
-from heave_core.envelope_table import DESIGN, KEPT, READINGS, STATE
+from heave_core.envelope_table import DESIGN, KEPT, ORDER, READINGS, STATE
 from heave_core.rows import Structure
 
 NAME = "libheave_core.so"
@@ -96,29 +96,8 @@ READING_NAMES = tuple(row.name for row in READINGS.rows)
 """Names of what comes in at a tick, in their order."""
 
 
-class EnvelopeOrder(NamedTuple):
-    """What leaves in a tick, and why: the rows of ORDER in the envelope's table, with their meanings and units."""
-
-    payout: float
-    rate: float
-    brake: float
-    bits: float
-    phase: float
-    cause: float
-    value: float
-    limit: float
-    rate_bound: float
-    travel_bound: float
-    move_rate: float
-    travel_sent: float
-    travel_count: float
-    residual: float
-    residual_limit: float
-    harm: float
-    speed: float
-    load_step: float
-    lowest: float
-    highest: float
+EnvelopeOrder = named(ORDER)
+"""What leaves in a tick, and why."""
 
 
 def fill(record: Any, values: Mapping[str, Any]) -> None:
@@ -183,17 +162,17 @@ class Envelope:
         """Begin: the brake is on, and nothing was read yet."""
         self._library.heave_core_begin(self._addresses[1])
 
-    def step(self, readings: tuple[float, ...]) -> EnvelopeOrder:
+    def step(self, readings: tuple[float, ...]) -> Any:
         """Do a tick with `readings`, in the order of READING_NAMES; return what leaves."""
         self.readings[:] = readings
         return self.go()
 
-    def go(self) -> EnvelopeOrder:
+    def go(self) -> Any:
         """Do a tick with the readings that are there; return what leaves."""
         self._call(*self._addresses)
         return self.last
 
     @property
-    def last(self) -> EnvelopeOrder:
+    def last(self) -> Any:
         """What has left in the last tick."""
         return EnvelopeOrder._make(self.order.tolist())

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from typing import Any
 
@@ -15,14 +14,10 @@ from heave_core.library import fill, library, named, new
 from heave_core.look_table import (
     GUARD_DESIGN,
     GUARD_STATE,
-    HANGING_CABLE,
-    HANGING_UNIT,
     LOOK_DESIGN,
     LOOK_INPUTS,
     LOOK_STATE,
     MOTIONS,
-    SEEN,
-    SIGMA,
     VERDICT,
 )
 from heave_core.modes_table import ATTEMPT_DESIGN, ATTEMPT_STATE
@@ -45,47 +40,6 @@ def padded(row: Array) -> Array:
     """
     check_states(len(row), "loop")
     return np.pad(row, (0, STATES - len(row)))
-
-
-class HangingUnit:
-    """A simulated unit below an outlet whose motion is known.
-
-    Parameters
-    ----------
-    cable : values by the names of HANGING_CABLE
-    """
-
-    def __init__(self, cable: Mapping[str, Any]) -> None:
-        core = library()
-        self._cable, self._unit = new(HANGING_CABLE), new(HANGING_UNIT)
-        self._motion = np.zeros(2)
-        self._addresses = self._cable.ctypes.data, self._unit.ctypes.data
-        self._at = self._motion.ctypes.data
-        self._step, self._find, self._continue = (
-            core.heave_core_unit,
-            core.heave_core_unit_motion,
-            core.heave_core_unit_continue,
-        )
-        self.take_cable(cable)
-
-    def take_cable(self, cable: Mapping[str, Any]) -> None:
-        """Go on with another `cable`."""
-        fill(self._cable[0], cable)
-
-    @property
-    def motion(self) -> Array:
-        """Heave [m] and heave rate [m/s], shape (2,)."""
-        self._find(*self._addresses, self._at)
-        return self._motion.copy()
-
-    def continue_at(self, heave: float, rate: float) -> None:
-        """Go on from another `heave` [m] and `rate` [m/s]."""
-        self._continue(*self._addresses, heave, rate)
-
-    def step(self, heave: float, rate: float) -> Array:
-        """Advance by a tick below an outlet with this `heave` [m] and `rate` [m/s] at its start; return `motion`."""
-        self._step(*self._addresses, heave, rate, self._at)
-        return self._motion.copy()
 
 
 class Look:
@@ -161,11 +115,9 @@ class Guard:
         core = library()
         self.design, self.state, self.found = new(GUARD_DESIGN), new(GUARD_STATE), new(VERDICT)
         self.attempt_design, self.attempts = new(ATTEMPT_DESIGN), new(ATTEMPT_STATE)
-        self._seen = np.zeros(len(SEEN.rows))
         self._at = self.design.ctypes.data, self.state.ctypes.data
         self._attempts_at = self.attempt_design.ctypes.data, self.attempts.ctypes.data
-        self._seen_at, self._verdict_at = self._seen.ctypes.data, self.found.ctypes.data
-        self._core, self._step = core, core.heave_core_guard
+        self._verdict_at, self._core = self.found.ctypes.data, core
         fill(self.design[0], design)
         fill(self.attempt_design[0], attempts)
         self.begin()
@@ -179,20 +131,6 @@ class Guard:
     def verdict(self) -> Any:
         """What was found last, as a Verdict."""
         return Verdict._make(self.found[0].item())
-
-    def step(self, *seen: float, fades: bool = False, is_certain: bool = False) -> Any:
-        """Take in what is `seen` in a tick, the rows of SEEN; return what is found, as a Verdict.
-
-        Parameters
-        ----------
-        seen : in the tick
-        fades : the winch comes to rest after it
-        is_certain : compensation must be off, for a reason that no attempt has brought about
-        """
-        self._seen[:] = seen
-        (design, state), (attempt_design, attempts) = self._at, self._attempts_at
-        self._step(design, attempt_design, state, attempts, self._seen_at, fades, is_certain, self._verdict_at)
-        return self.verdict
 
     def begin(self) -> None:
         """Begin again: what was seen until now was another sea."""
@@ -227,28 +165,3 @@ class Guard:
     def reset_mismatch(self) -> None:
         """Compare depth sensor and estimate again: what was seen until now says nothing of either."""
         self._core.heave_core_guard_reset_mismatch(self._at[1])
-
-
-class RunningSigma:
-    """Exponentially weighted standard deviation about a slow mean.
-
-    Parameters
-    ----------
-    time_constant : memory [s]
-    tick_period : [s]
-    slow_mean : the mean is followed so many times more slowly than the variance
-    """
-
-    def __init__(self, time_constant: float, tick_period: float, slow_mean: float) -> None:
-        self._memory, self._add = new(SIGMA), library().heave_core_sigma
-        self._given = self._memory.ctypes.data, tick_period / time_constant, slow_mean
-
-    def add(self, value: float) -> None:
-        """Take a `value` in; the first ones weigh as in a plain average."""
-        memory, weight, slow_mean = self._given
-        self._add(memory, value, weight, slow_mean)
-
-    @property
-    def sigma(self) -> float:
-        """Standard deviation, in the unit of the values."""
-        return math.sqrt(float(self._memory["variance"][0]))

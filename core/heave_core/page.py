@@ -64,9 +64,9 @@ every field.
 | controller | `../plc/controller.cpp` | all of it on memory of its own, for a [PLC](guide/howto/plc.md) and the FMU |
 
 The C interface is `interface.cpp`. `heave_core_layout` and `heave_core_size` let Python refuse a library with another
-layout. Each part has a function for a tick (`heave_core_sense`, `heave_core_filter`, `heave_core_guard`,
-`heave_core_envelope`), and one for each sudden change of its state (`..._begin`, `..._continue_...`, `..._allow_...`).
-Python calls them through ctypes, with the interpreter lock released. To save a part at a tick, copy its state.
+layout. Each part of a tick has a function (`heave_core_sense`, `heave_core_supervise`, `heave_core_act_tick`), and so
+has each sudden change of its state (`..._begin`, `..._continue_...`, `..._allow_...`). Python calls them through
+ctypes, with the interpreter lock released. To save a part at a tick, copy its state.
 """
 
 

@@ -10,33 +10,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 from heave_core import watch_table as table
-from heave_core.library import dtype_of, fill, library, new
+from heave_core.library import dtype_of, fill, library, named, new
 from heave_core.watch_table import (
     KPI_DESIGN,
     KPI_ROW,
     KPI_STATE,
+    KPI_WINDOW,
     LANDING_DESIGN,
-    LANDING_SEEN,
     LANDING_STATE,
     SERVO_RUN,
 )
 
 Array = NDArray[np.float64]
 
-FLAGS = [row.name for row in LANDING_STATE.rows].index("event")
-"""Numbers of LandingState in front of its event."""
-
-OBSERVED = 7
-"""Rows of LANDING_SEEN that are observed, before a mode is decided on."""
-
-
-class TrendFound(NamedTuple):
-    """Slope of a straight line through readings, its standard error, whether they are known, and the mean."""
-
-    slope: float
-    error: float
-    is_known: float
-    mean: float
+FLAGS = 1 + [row.name for row in LANDING_STATE.rows].index("event")
+"""Numbers of LandingState up to its event."""
 
 
 class LandingWatch:
@@ -53,60 +41,18 @@ class LandingWatch:
     """
 
     def __init__(self, design: Mapping[str, Any]) -> None:
-        core = library()
         self.design, self.state = new(LANDING_DESIGN), new(LANDING_STATE)
-        self._seen = np.zeros(len(LANDING_SEEN.rows))
-        self.flags = self.state.view(np.uint8)[: 8 * (FLAGS + 1)].view(np.float64)
-        self._state_at = self.state.ctypes.data
-        self._at = self.design.ctypes.data, self._state_at, self._seen.ctypes.data
-        self._core, self._depth = core, core.heave_core_landing_depth
-        self._observe, self._judge = core.heave_core_landing_observe, core.heave_core_landing
+        self.flags = self.state.view(np.uint8)[: 8 * FLAGS].view(np.float64)
         self.take_design(design)
-        core.heave_core_landing_begin(self._state_at)
+        library().heave_core_landing_begin(self.state.ctypes.data)
 
     def take_design(self, design: Mapping[str, Any]) -> None:
         """Go by another `design` from now on."""
         fill(self.design[0], design)
 
-    def add_depth(self, time: float, depth: float) -> None:
-        """Take in a reading of the `depth` [m], positive down, of a `time` [s]."""
-        self._depth(self._state_at, time, depth)
 
-    def observe(self, *seen: float) -> None:
-        """Take in what is `seen` in a tick: the first OBSERVED rows of LANDING_SEEN."""
-        self._seen[:OBSERVED] = seen
-        self._observe(*self._at)
-
-    def judge(self, filtered_tension: float, sees_landing: bool, has_depths: bool, compensates: bool) -> int:
-        """Return what has happened in the tick that was observed last, a Landed, by the last rows of LANDING_SEEN."""
-        self._seen[OBSERVED:] = filtered_tension, sees_landing, has_depths, compensates
-        self._judge(*self._at)
-        return int(self.flags[FLAGS])
-
-    def trend(self, name: str, window: float) -> TrendFound:
-        """Return what the trend of a `name` in LANDING_STATE shows over a `window` [s]."""
-        design, found = self.design[0], np.zeros(4)
-        given = float(design["least_readings"]), float(design["filled"])
-        self._core.heave_core_trend(self.state[name].ctypes.data, window, *given, found.ctypes.data)
-        return TrendFound(*found.tolist())
-
-
-class KpiStatistics(NamedTuple):
-    """Statistics over the window: the rows of KPI_WINDOW, with their meanings and units."""
-
-    rows: float
-    unit: float
-    uncompensated: float
-    tip: float
-    outlet: float
-    largest: float
-    speed: float
-    acceleration: float
-    power: float
-    mean_power: float
-    least_tension: float
-    largest_tension: float
-    at_limit: float
+KpiStatistics = named(KPI_WINDOW)
+"""Statistics over the window."""
 
 
 class KpiRing:
@@ -122,26 +68,19 @@ class KpiRing:
     """
 
     def __init__(self, design: Mapping[str, Any]) -> None:
-        core = library()
         self._design, self._state = new(KPI_DESIGN), new(KPI_STATE)
         fill(self._design[0], design)
         self._rows = np.zeros((int(design["rows"]), len(KPI_ROW.rows)))
-        self._row, self._window = np.zeros(len(KPI_ROW.rows)), np.zeros(len(KpiStatistics._fields))
+        self._window = np.zeros(len(KPI_WINDOW.rows))
         self._at = self._design.ctypes.data, self._state.ctypes.data, self._rows.ctypes.data
         self.records = {"kpi": self._design, "kpi_state": self._state, "kpi_rows": self._rows}
-        self._row_at, self._window_at = self._row.ctypes.data, self._window.ctypes.data
-        self._add, self._summarise = core.heave_core_kpi_add, core.heave_core_kpi
+        self._window_at, self._summarise = self._window.ctypes.data, library().heave_core_kpi
 
     def take_limits(self, speed: float, acceleration: float) -> None:
         """Count the winch as at its limit from a `speed` [m/s] or an `acceleration` [m/s^2] on."""
         self._design["speed"], self._design["acceleration"] = speed, acceleration
 
-    def add(self, *row: float) -> None:
-        """Take one tick in, by the rows of KPI_ROW; acceleration and limit follow from the rates."""
-        self._row[:] = row
-        self._add(*self._at, self._row_at)
-
-    def statistics(self) -> KpiStatistics:
+    def statistics(self) -> Any:
         """Return the statistics over what the window holds."""
         self._summarise(*self._at, self._window_at)
         return KpiStatistics._make(self._window.tolist())
@@ -217,18 +156,14 @@ class Link:
     """
 
     def __init__(self, values: Mapping[str, Any], design: Any = None, state: Any = None) -> None:
-        core, count = library(), int(values["minute"])
+        count = int(values["minute"])
         self._design = new(table.LINK_DESIGN) if design is None else design
         self.state = new(table.LINK_STATE) if state is None else state
         fill(self._design[0], values)
         self._kept = np.zeros(count + int(values["window"]))
         self.minute = self._kept[:count]
         self.at = [one.ctypes.data for one in (self._design, self.state, self._kept)]
-        self._command, self._silence = core.heave_core_link_command, core.heave_core_link_silence
-
-    def command(self, given: int, taken: int, modelled: float) -> None:
-        """Take in the number of the last command `given`, and of the newest `taken`, late beyond `modelled` [s]."""
-        self._command(*self.at, given, taken, modelled)
+        self._silence = library().heave_core_link_silence
 
     def silence(self, untaken: float, *, has_state: bool) -> None:
         """Take in whether the winch has reported in a tick, and for how long commands were `untaken` [s]."""
@@ -280,13 +215,7 @@ class LoadRecord:
         design, self.state = new(table.LOAD_WATCH_DESIGN), new(table.LOAD_WATCH_STATE)
         fill(design[0], values)
         self.records = {"load": design, "load_state": self.state}
-        self._at, self._watch = (design.ctypes.data, self.state.ctypes.data), library().heave_core_load
-        library().heave_core_load_begin(*self._at)
-
-    def watch(self, tension: float, static_tension: float, *, is_at_limit: bool) -> int:
-        """Take a tick in, with tensions [N], and whether the winch is at a limit; return the bits of LoadNews."""
-        found: int = self._watch(*self._at, tension, static_tension, is_at_limit)
-        return found
+        library().heave_core_load_begin(design.ctypes.data, self.state.ctypes.data)
 
 
 POSITION_STEP = 0.005

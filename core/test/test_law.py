@@ -13,13 +13,15 @@ from heave_core import law_table
 from heave_core.envelope_table import MoveKind
 from heave_core.filter import check_states
 from heave_core.filter_table import STATES
-from heave_core.law import Commander, Governor, Law, LoopNow, MadeCommand, put
+from heave_core.law import Commander, Law, put
 from heave_core.law_table import FOLLOWED, Asks, LawKind, Moved, RowKind, Shaped, Way
 from heave_core.library import library, new
 from hypothesis import assume, given
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 from scipy.signal import lfilter
+
+from tests.core_parts import LoopNow, act, governed_by
 
 DT, LAG, SPEED, ACCELERATION = 0.05, 0.15, 2.0, 1.5
 N = 3
@@ -56,12 +58,7 @@ ANY = (-math.inf, math.inf)
 
 
 def governed(command, payout=0.0, rate=0.0, tension=40e3, within=(math.nan, math.nan), passes=ANY, **winch):
-    return Governor(winch_of(**winch)).step((command, payout, rate, tension, *within, *passes))
-
-
-def test_what_python_gives_and_takes_has_the_names_of_the_tables():
-    assert [row.name for row in law_table.LOOP.rows][: len(LoopNow._fields)] == list(LoopNow._fields)
-    assert [row.name for row in law_table.COMMAND.rows] == list(MadeCommand._fields)
+    return governed_by(winch_of(**winch), (command, payout, rate, tension, *within, *passes))
 
 
 # governor
@@ -253,7 +250,7 @@ def commander_of(winch=None, **law):
 
 def ordered(core, rate, way=Way.BY_LAW, **loop):
     """Return what is made of a wanted `rate` [m/s]."""
-    core.act(LoopNow(way, share=1.0, mru_rate=rate, **loop))
+    act(core, LoopNow(way, share=1.0, mru_rate=rate, **loop))
     return core.made
 
 

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 from heave_core import layout, look_table
 from heave_core.filter_table import STATES
-from heave_core.library import dtype_of, library
-from heave_core.look import HangingUnit, Look, Motions, RunningSigma, padded
+from heave_core.library import dtype_of
+from heave_core.look import Look, Motions, padded
 from heave_core.look_table import Harm
 from hypothesis import assume, given
 from hypothesis import strategies as st
@@ -19,6 +19,7 @@ from scipy.integrate import solve_ivp
 from scipy.signal import cont2discrete, lfilter
 
 from tests.allocation import allocates
+from tests.core_parts import HangingUnit, RunningSigma, part
 from tests.supervised import Guard, Seen
 
 DT = 0.05
@@ -97,9 +98,8 @@ class Looked(Look):
 
     def step(self, estimate, covariance, mean_state, *, command, knows_tip, takes_unit):
         self.inputs[0] = (*command, knows_tip, takes_unit)
-        given = [np.ascontiguousarray(one) for one in (estimate, mean_state, covariance)]
-        at = [one.ctypes.data for one in (self.inputs, *given, self.motions)]
-        library().heave_core_look(*self.addresses, *at)
+        given = tuple(np.ascontiguousarray(one) for one in (estimate, mean_state, covariance))
+        part("look")(self.design, self.state, self.inputs, given, self.motions)
         return Motions._make(self.motions.tolist())
 
 
@@ -188,7 +188,7 @@ def test_the_locked_units_go_on_from_where_they_are_put():
 def hanging_of(looked):
     """Return heave and rate of the hanging unit."""
     twin = HangingUnit(cable(PUSH, 1.1))
-    twin._unit[:] = looked.state["hanging"]
+    twin.unit[:] = looked.state["hanging"]
     return twin.motion
 
 
@@ -236,7 +236,7 @@ def test_a_running_sigma_is_the_low_pass_of_scipy_once_the_plain_average_is_over
     values, sigma, found = rng.standard_normal(600), RunningSigma(1.0, DT, 3.0), []
     for value in values:
         sigma.add(value)
-        found.append((float(sigma._memory["mean"][0]), sigma.sigma**2))
+        found.append((float(sigma.memory["mean"][0]), sigma.sigma**2))
     found = np.array(found)
     start = 100
     mean, _ = lfilter([slow], [1, slow - 1], values[start:], zi=[(1 - slow) * found[start - 1, 0]])
@@ -403,11 +403,13 @@ def test_no_step_of_the_library_allocates():
     """Called on the same addresses, without what Python makes of the results."""
     looked, guard = moved()[0], a_guard()
     guard.step(Seen(), 1.0, 1.0, inhibits=False)
-    given = [np.ones(ORDER), np.ones(ORDER), np.eye(ORDER)]
-    inputs, motions = looked.inputs.ctypes.data, looked.motions.ctypes.data
-    step, at = library().heave_core_look, (*looked.addresses, inputs, *(one.ctypes.data for one in given), motions)
-    (design, state), (attempts, attempted) = guard._at, guard._attempts_at
-    judge, judged = guard._step, (design, attempts, state, attempted, guard._seen_at, 0, 0, guard._verdict_at)
+    given = np.ones(ORDER), np.ones(ORDER), np.eye(ORDER)
+    looks = np.array([one.ctypes.data for one in given], np.uintp)
+    records = guard.design, guard.attempt_design, guard.state, guard.attempts
+    guarded = np.array([one.ctypes.data for one in records], np.uintp)
+    step, judge = part("look"), part("judge_attempt")
+    at = [one.ctypes.data for one in (looked.design, looked.state, looked.inputs, looks, looked.motions)]
+    judged = guarded.ctypes.data, (0.0,) * len(look_table.SEEN.rows), False, guard.found.ctypes.data
 
     def go():
         step(*at)

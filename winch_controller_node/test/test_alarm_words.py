@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import pytest
-from heave_core.library import library
 from heave_core.sense_table import News, Reason
 from winch_controller_node.core.estimation.observation import Observer
 from winch_controller_node.core.estimation.sense_design import GATES, SENSOR
@@ -11,6 +10,8 @@ from winch_controller_node.core.estimation.sensor_health import ABSENT, REASONS,
 from winch_controller_node.design.design import design_controller
 from winch_controller_node.interface.alarms import ALARMS
 from winch_controller_node.node_parameters import WinchControllerParameters
+
+from tests.core_parts import part
 
 
 def test_the_times_in_the_words_are_those_of_the_code():
@@ -40,8 +41,9 @@ def test_every_reason_to_reject_a_reading_has_words():
 def test_a_sensor_that_jumps_so_often_that_it_is_lost_is_not_reported_as_one_whose_jump_was_subtracted():
     design = design_controller(WinchControllerParameters(), tick_period=0.05)
     observer = Observer(design, design.make_estimator())
-    at, place = (observer.design.ctypes.data, observer.state.ctypes.data), SENSOR["depth"]
+    place = SENSOR["depth"]
+    gate = observer.state["gates"][0, place : place + 1]
     for _ in range(GATES["bad_in_a_row"]):
-        library().heave_core_gate_take_back(*at, place, Reason.JUMP, True)
+        part("take_back")(observer.design["health"], gate, Reason.JUMP, True)
     observer.state[0]["gates"][place]["news"] = News.SENSOR_WORSE
     assert [alarm.name for alarm in observer.alarms(News.SENSOR_WORSE)] == ["SENSOR_LOST, DEPTH: jump"]

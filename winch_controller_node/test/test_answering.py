@@ -14,9 +14,8 @@ pytest.importorskip("heave_msgs")
 from heave_msgs.msg import Beliefs as BeliefsMessage
 from heave_msgs.msg import Observations as ObservationsMessage
 from rclpy.serialization import deserialize_message
-from winch_controller_node.advice.answering import Answering
+from winch_controller_node.advice.answering import Answering, compare_again
 from winch_controller_node.advice.messages import beliefs_of, observations_message
-from winch_controller_node.advice.replay import compare_again
 from winch_controller_node.advice.worker import Worker, WorkerError
 from winch_controller_node.beliefs.beliefs import Beliefs
 from winch_controller_node.design.wire import parameters_text

@@ -8,8 +8,16 @@ import pytest
 from heave_core.watch import Drum
 from hypothesis import given
 from hypothesis import strategies as st
-from winch_controller_node.beliefs.beliefs import USED, Belief, Beliefs, parameters_under, without_sea
-from winch_controller_node.beliefs.corrections import AS_READ, Correction, corrections
+from winch_controller_node.beliefs.beliefs import (
+    AS_READ,
+    USED,
+    Belief,
+    Beliefs,
+    Correction,
+    corrections,
+    parameters_under,
+    without_sea,
+)
 from winch_controller_node.beliefs.drum import QUANTITY_OF, drum_of
 from winch_controller_node.beliefs.quantities import QUANTITIES, RESTATED, restated, with_value
 from winch_controller_node.node_parameters import WinchControllerParameters

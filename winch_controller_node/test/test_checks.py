@@ -3,13 +3,13 @@
 import math
 
 import pytest
-from heave_core.look import RunningSigma
 from heave_core.look_table import Harm
 from winch_controller_node.core.estimation.sense_design import largest_step
 from winch_controller_node.core.supervision.guard_checks import SLOW_MEAN_FACTOR, GuardedLoop, guard_design
 from winch_controller_node.laws.parts.winch_limits import WinchLimits
 from winch_controller_node.parameters.laws import GuardParameters
 
+from tests.core_parts import RunningSigma
 from tests.supervised import Guard, Seen
 
 DT = 0.5

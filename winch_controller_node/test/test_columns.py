@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from winch_controller_node.adviser.columns import DELAY, FACTOR, JUDGED, STEP, in_columns
 from winch_controller_node.adviser.record import SensorHistory
-from winch_controller_node.beliefs.corrections import Correction
+from winch_controller_node.beliefs.beliefs import Correction
 from winch_controller_node.design.design import design_controller
 from winch_controller_node.node_parameters import WinchControllerParameters
 

@@ -6,9 +6,10 @@ from cable_sim_node.winch.parameters import WinchParameters
 from heave_node.interface.alarm import Alarm
 from heave_node.interface.codes import WinchFault
 from heave_node.interface.faults import FaultParameters
-from winch_controller_node.core.supervision.late_commands import CUT_TIME, LateCommands
+from winch_controller_node.core.supervision.late_commands import CUT_TIME
 from winch_controller_node.core.supervision.modes import WAIT, Mode
 
+from tests.core_parts import LateCommands
 from tests.supervised import Supervised
 
 DT = 0.05

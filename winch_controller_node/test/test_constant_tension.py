@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from heave_core.law import LoopNow, put
+from heave_core.law import put
 from heave_core.law_table import COMMAND_STATE, Way
 from heave_core.library import new
 from winch_controller_node.core.estimation.sense_design import FILTER_SHARE
@@ -14,6 +14,7 @@ from winch_controller_node.laws.constant_tension import ConstantTension
 from winch_controller_node.node_parameters import WinchControllerParameters
 from winch_controller_node.parameters.laws import TensionLawParameters
 
+from tests.core_parts import LoopNow, act
 from tests.gates import MeanTension, TensionFilter
 
 DT = 0.05
@@ -61,7 +62,7 @@ class Held:
         tension = self.design.cable.static_tension + self.design.cable.stiffness * stretch
         self.core.estimate[:] = 0.0
         self.core.estimate[self.design.model.state("payout")] = outlet
-        self.core.act(LoopNow(Way.BY_TENSION, tension=tension, filtered_tension=tension, unit_stands=True))
+        act(self.core, LoopNow(Way.BY_TENSION, tension=tension, filtered_tension=tension, unit_stands=True))
         return self.core.made.asked
 
 

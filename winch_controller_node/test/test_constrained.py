@@ -5,7 +5,6 @@ import osqp
 import pytest
 import scipy.sparse as sp
 from heave_bringup.scenarios import load_scenario
-from heave_core.law import LoopNow
 from heave_core.law_table import COMMAND_STATE, Way
 from heave_core.library import new
 from heave_node.parameters import build_parameters
@@ -27,6 +26,8 @@ from winch_controller_node.laws.parts.plan import correction_knots
 from winch_controller_node.model.lqr import DesignError
 from winch_controller_node.node_parameters import WinchControllerParameters
 from winch_controller_node.parameters.model import SeaModelParameters, WinchModelParameters
+
+from tests.core_parts import LoopNow, bounds, pose
 
 DT = 0.05
 
@@ -144,7 +145,7 @@ def test_the_plan_is_the_optimum_that_osqp_finds_for_the_same_problem(design):
     state = sea_state(design, 1.0, 1)
     assert law.command(state).status == "solved"
     free = law.planner.rows.free @ state.x
-    lower, upper = law.bounds(state)
+    lower, upper = bounds(law, state)
     hessian = law.planner.basis.T @ law.planner.basis * DT
     peer = osqp.OSQP()
     rows = sp.csc_matrix(law.planner.rows.forced)
@@ -186,7 +187,7 @@ def test_the_mean_payout_takes_its_share_of_the_speed(design):
     """While the mean is paid out at 1 m/s, compensation may add 1 m/s on that side and 3 m/s on the other."""
     law = make_law(design)
     state = sea_state(design, 2.0, 0)._replace(reference=Reference(rate=1.0))
-    lower, upper = law.bounds(state)
+    lower, upper = bounds(law, state)
     assert (lower[0], upper[0]) == (-3.0, 1.0)
 
 
@@ -234,7 +235,7 @@ def test_authority_scales_the_sea_and_keeps_the_share_of_the_uncompensated_motio
 
     def shifted(share):
         core.estimate[:] = x
-        core.pose(LoopNow(Way.BY_LAW, share, heave=0.3, rate=0.1))
+        pose(core, LoopNow(Way.BY_LAW, share, heave=0.3, rate=0.1))
         return core.x.copy()
 
     none, whole = shifted(0.0), shifted(1.0)

@@ -9,8 +9,7 @@ from cable_sim_node.winch.parameters import EncoderParameters, WinchParameters
 from heave_core.watch import Drum, drum_records, sent_points
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from winch_controller_node.adviser.drum.drum_fit import LIMITS, _improbability, fit_drum
-from winch_controller_node.adviser.drum.drum_prior import prior_of
+from winch_controller_node.adviser.drum.drum_fit import LIMITS, _improbability, fit_drum, prior_of
 from winch_controller_node.adviser.drum.drum_record import FACTOR, DrumRecord
 from winch_controller_node.adviser.drum.drum_search import PRICES, begun, identify
 from winch_controller_node.adviser.record import SensorHistory

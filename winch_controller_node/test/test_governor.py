@@ -8,10 +8,12 @@ from cable_sim_node.winch.parameters import WinchParameters
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from winch_controller_node.design.design import design_controller
-from winch_controller_node.laws.parts.governor import CommandGovernor, standing_command
+from winch_controller_node.laws.parts.governor import standing_command
 from winch_controller_node.laws.parts.winch_limits import ActiveWinch
 from winch_controller_node.node_parameters import WinchControllerParameters
 from winch_controller_node.parameters.model import WinchModelParameters
+
+from tests.core_parts import CommandGovernor
 
 DT = 0.05
 

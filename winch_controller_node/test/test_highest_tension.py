@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from heave_bringup.closed_loop import ClosedLoop, loop_parameters
 from heave_bringup.scenarios import load_scenario
-from heave_core.law import LoopNow
 from heave_core.law_table import COMMAND_STATE, Way
 from heave_core.library import new
 from heave_node.parameters import ParameterError
@@ -21,6 +20,7 @@ from winch_controller_node.node_parameters import WinchControllerParameters
 from winch_controller_node.parameters.laws import LimitParameters
 from winch_controller_node.parameters.model import WinchModelParameters
 
+from tests.core_parts import LoopNow, act
 from tests.supervised import Supervised
 
 DT = 0.05
@@ -38,7 +38,7 @@ def given_way(excess, *, brake=False, **winch):
     law = design.make_law()
     core = commander(design, law.winch, law, new(COMMAND_STATE))
     tension = RATIO * design.cable.static_tension + excess
-    core.act(LoopNow(Way.BY_BRAKE if brake else Way.BY_PLACE, filtered_tension=tension, gives_way=True))
+    act(core, LoopNow(Way.BY_BRAKE if brake else Way.BY_PLACE, filtered_tension=tension, gives_way=True))
     return core.made, excess / design.cable.stiffness
 
 

@@ -8,6 +8,7 @@ import pytest
 from heave_node.parameters import build_parameters
 from hypothesis import given
 from hypothesis import strategies as st
+from winch_controller_node.adviser.filter_pass import pass_model
 from winch_controller_node.adviser.hypothesis import (
     ACCEPTED,
     AGAIN,
@@ -22,9 +23,8 @@ from winch_controller_node.adviser.hypothesis import (
     rules_out_encoder,
 )
 from winch_controller_node.adviser.judge import Judge
-from winch_controller_node.adviser.pass_model import pass_model
 from winch_controller_node.adviser.record import SensorHistory
-from winch_controller_node.beliefs.corrections import Correction
+from winch_controller_node.beliefs.beliefs import Correction
 from winch_controller_node.beliefs.quantities import QUANTITIES
 from winch_controller_node.design.design import design_controller
 from winch_controller_node.node_parameters import WinchControllerParameters

@@ -318,9 +318,3 @@ def test_an_estimate_that_was_given_is_never_changed():
     for x, P, x_then, P_then in kept:
         np.testing.assert_array_equal(x, x_then)
         np.testing.assert_array_equal(P, P_then)
-
-
-def test_a_model_with_other_states_or_measurements_needs_a_new_estimator():
-    kalman = estimator(1, linear=True)
-    with pytest.raises(ValueError, match="needs a new estimator"):
-        kalman.set_model(kalman.model, list(kalman.measurements.values())[1:])

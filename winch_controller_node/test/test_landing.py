@@ -16,6 +16,7 @@ from winch_controller_node.core.supervision.landing import EVENTS, HangingLoad, 
 from winch_controller_node.core.supervision.modes import Mode, ModeOutput
 from winch_controller_node.parameters.laws import TensionLawParameters
 
+from tests.core_parts import add_depth, judge_landing, observe_landing
 from tests.gates import MeanTension
 from tests.supervised import Supervised
 
@@ -35,13 +36,13 @@ class Landing(production.Landing):
 
     def observe(self, time, now, mean_payout, hanging):
         for stamp, depth in now.depths:
-            self.core.add_depth(stamp, depth)
+            add_depth(self.core, stamp, depth)
         is_weighed = "load_cell" not in now.lost
-        self.core.observe(time, now.tension, is_weighed, mean_payout, *hanging, now.depth_innovation)
+        observe_landing(self.core, time, now.tension, is_weighed, mean_payout, *hanging, now.depth_innovation)
 
     def update(self, now, mode):
         compensates = mode.mode is Mode.COMPENSATING and mode.authority > production.LEAST_AUTHORITY
-        self.core.judge(now.filtered_tension, now.sees_landing, bool(now.depths), compensates)
+        judge_landing(self.core, now.filtered_tension, now.sees_landing, bool(now.depths), compensates)
         return None if self.event is Landed.NOT else EVENTS[self.event]
 
 

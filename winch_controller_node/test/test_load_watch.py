@@ -8,9 +8,11 @@ from heave_core.watch_table import LoadNews
 from heave_node.interface.alarm import Severity
 from heave_node.loads.strength import SAFETY_FACTOR, Strength
 from winch_controller_node.core.supervision.modes import Mode
-from winch_controller_node.core.supervision.watch.load_watch import LoadWatch, rope_strength
+from winch_controller_node.core.supervision.watch.load_watch import rope_strength
 from winch_controller_node.node_parameters import WinchControllerParameters
 from winch_controller_node.parameters.laws import AlarmParameters
+
+from tests.core_parts import LoadWatch
 
 DT = 0.05
 STATIC = 200e3

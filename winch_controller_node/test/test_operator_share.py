@@ -20,6 +20,8 @@ from winch_controller_node.motion.trajectory import MeanPayout
 from winch_controller_node.node_parameters import WinchControllerParameters
 from winch_controller_node.parameters.laws import MoveParameters, OperatorParameters
 
+from tests.core_parts import bounds
+
 DT = 0.05
 INERTIA, DAMPING = 7.339769, 0.1906759
 """The 900 m system of thesis 6.2.6 as identified there."""
@@ -92,7 +94,7 @@ def test_the_plan_of_compensation_has_what_the_operator_leaves():
     rate = 0.4
     ahead = Reference(rate=rate, command=rate + design.parameters.winch.time_constant * 0.3)
     whole, left = (
-        law.bounds(LoopState(np.zeros(design.model.order), reference, design.cable.static_tension))
+        bounds(law, LoopState(np.zeros(design.model.order), reference, design.cable.static_tension))
         for reference in (Reference(), ahead)
     )
     for bound, without in zip(left, whole, strict=True):

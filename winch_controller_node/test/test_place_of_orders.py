@@ -2,9 +2,10 @@
 
 import numpy as np
 import pytest
-from heave_core.law import Place
 from scipy.signal import lsim
 from winch_controller_node.core.loop_command import LEAK, REACH
+
+from tests.core_parts import Place
 
 DT = 0.05
 

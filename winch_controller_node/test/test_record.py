@@ -7,8 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from winch_controller_node.adviser.record import LENGTH, TICK, VALUE, Record, SensorHistory, payouts
-from winch_controller_node.beliefs.beliefs import EncoderScale
-from winch_controller_node.beliefs.corrections import AS_READ, Correction
+from winch_controller_node.beliefs.beliefs import AS_READ, Correction, EncoderScale
 
 DT = 0.05
 BATCH = 20

@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 from heave_core.law import put
 from heave_core.law_table import TENSION_ALONE
-from heave_core.library import library, new
+from heave_core.library import new
 from winch_controller_node.design.design import design_controller
-from winch_controller_node.laws.parts.tension_alone import TensionAlone
 from winch_controller_node.laws.parts.tip_by_tension import (
     WAVE_KEPT,
+    TensionAlone,
     TensionRecord,
     TipByTension,
     mean_weights,
@@ -19,6 +19,8 @@ from winch_controller_node.laws.parts.tip_by_tension import (
 )
 from winch_controller_node.model.blocks import CableModel
 from winch_controller_node.node_parameters import WinchControllerParameters
+
+from tests.core_parts import NUMBER, lead_alone, note_tension, part
 
 DT = 0.05
 
@@ -64,10 +66,10 @@ def test_the_mean_over_a_round_trip_averages_and_fills_the_window_by_parts_of_a_
     """A second and the newest tick are kept, and two seconds have passed; the payout is that at both ends of 0.2 s."""
     record, core = TensionRecord(1.0, tick_period=DT), new(TENSION_ALONE)
     for number in range(40):
-        record.add(float(number), 10.0 * number)
+        note_tension(record, float(number), 10.0 * number)
     weights = mean_weights(window / DT)
     put(core, {"window": len(weights), "weights": weights, "trip": 4, "stiffness": 2.0})
-    read = library().heave_core_read_tip(core.ctypes.data, record.record.ctypes.data)
+    read = part("read_tip", result=NUMBER)(core, record.record)
     assert read == pytest.approx(mean / 2.0 + 10.0 * 37.0)
 
 
@@ -97,8 +99,8 @@ def test_the_rate_of_the_boom_tip_is_told_whatever_the_winch_does(design):
         rates, tensions = [], []
         for pulled, out in zip(tip_rate - payout_rate, payout, strict=True):
             tensions.append(wire.pull(pulled))
-            record.add(tensions[-1], out)
-            rates.append(library().heave_core_follow_tip(core.ctypes.data, record.record.ctypes.data))
+            note_tension(record, tensions[-1], out)
+            rates.append(part("follow_tip", result=NUMBER)(record.record, core))
         return np.array(rates)[time > 60.0], np.array(tensions)[time > 60.0]
 
     still, quiet = told(0.0)
@@ -123,8 +125,8 @@ def test_the_loop_at_twice_its_gain_does_not_ring_on_a_wire_that_stands(design, 
     for tick in range(2400):
         tip_rate = 0.1 if 20 < tick <= 40 else 0.0
         swing.append(wire.pull(tip_rate - rate))
-        record.add(swing[-1], payout)
-        asked = lead.rate(record, 0.0, unit_stands=True)
+        note_tension(record, swing[-1], payout)
+        asked = lead_alone(lead, record, 0.0, unit_stands=True)
         commands.append(2.0 * (asked.tip + asked.correction))
         command = commands.pop(0)
         before, rate = rate, command + (rate - command) * settling

@@ -4,7 +4,6 @@ import math
 
 import numpy as np
 import pytest
-from heave_core.look import RunningSigma
 from winch_controller_node.core.supervision.guard_checks import (
     GROUP_PEAK,
     GROWING_PEAK,
@@ -17,6 +16,7 @@ from winch_controller_node.laws.parts.effort import Effort
 from winch_controller_node.laws.parts.winch_limits import WinchLimits
 from winch_controller_node.parameters.laws import GuardParameters
 
+from tests.core_parts import RunningSigma
 from tests.supervised import Guard, Seen
 
 DT = 0.05

@@ -48,28 +48,7 @@ void heave_core_servo(const heave::ServoRun *run, const double *sent, const heav
         heave::servo_record(*run, points, servos[i], starts[i], run->ticks, readings + i * run->ticks);
 }
 
-// A simulated unit: a tick, and its heave and rate.
-void heave_core_unit(const heave::HangingCable *cable, heave::HangingUnit *unit, double heave, double rate, double *motion) {
-    heave::advance_unit(*cable, *unit, {heave, rate});
-    const heave::Motion found = heave::motion_of(*cable, *unit);
-    motion[0] = found.heave, motion[1] = found.rate;
-}
-
-void heave_core_unit_motion(const heave::HangingCable *cable, const heave::HangingUnit *unit, double *motion) {
-    const heave::Motion found = heave::motion_of(*cable, *unit);
-    motion[0] = found.heave, motion[1] = found.rate;
-}
-
-void heave_core_unit_continue(const heave::HangingCable *cable, heave::HangingUnit *unit, double heave, double rate) {
-    heave::continue_at(*cable, *unit, {heave, rate});
-}
-
-// All motions at a tick; again, after the state has jumped; the jumps.
-void heave_core_look(const heave::LookDesign *design, heave::LookState *state, const heave::LookInputs *inputs,
-                     const double *estimate, const double *mean_state, const double *covariance, heave::Motions *motions) {
-    heave::look(*design, *state, *inputs, {estimate, mean_state, covariance}, *motions);
-}
-
+// Motions of a tick again, after the state has jumped; the jumps of the simulated units.
 void heave_core_look_again(const heave::LookDesign *design, const heave::LookState *state, const heave::LookInputs *inputs,
                            const double *estimate, const double *mean_state, heave::Motions *motions) {
     heave::find_motions(*design, *state, *inputs, {estimate, mean_state, nullptr}, *motions);
@@ -89,12 +68,7 @@ void heave_core_look_take_unit(const heave::LookDesign *design, heave::LookState
     heave::take_unit(*design, *state, {heave, rate});
 }
 
-// The guard and its attempts: a tick, the demand under another design, the jumps.
-void heave_core_guard(const heave::GuardDesign *design, const heave::AttemptDesign *attempts, heave::GuardState *state, heave::AttemptState *attempted, const heave::Seen *seen, int fades, int is_certain, heave::Verdict *verdict) {
-    if (is_certain) heave::inhibit(*attempted);
-    heave::judge_attempt({*design, *attempts, *state, *attempted}, *seen, fades, *verdict);
-}
-
+// The guard: the demand under another design, the jumps.
 void heave_core_guard_demand(const heave::GuardDesign *design, const heave::GuardState *state, heave::Verdict *verdict) {
     heave::judge_demand(*design, state->demand, *verdict);
 }
@@ -105,35 +79,9 @@ void heave_core_guard_allow_resumption(const heave::GuardDesign *design, heave::
 
 void heave_core_guard_reset_mismatch(heave::GuardState *state) { heave::reset_mismatch(*state); }
 
-// A running variance.
-void heave_core_sigma(heave::RunningSigma *sigma, double value, double weight, double slow_mean) {
-    heave::add(*sigma, value, weight, slow_mean);
-}
-
-// Landing: a depth reading, a tick's other readings, the judgement of a tick.
 void heave_core_landing_begin(heave::LandingState *state) { heave::begin_landing(*state); }
 
-void heave_core_landing_depth(heave::LandingState *state, double time, double depth) { heave::add(state->depth, time, depth); }
-
-void heave_core_landing_observe(const heave::LandingDesign *design, heave::LandingState *state, const heave::LandingSeen *seen) {
-    heave::observe_landing(*design, *state, *seen);
-}
-
-void heave_core_landing(const heave::LandingDesign *design, heave::LandingState *state, const heave::LandingSeen *seen) {
-    heave::judge_landing(*design, *state, *seen);
-}
-
-// A trend: slope, its error, 1 where it is known, and the mean, over a window.
-void heave_core_trend(const heave::Trend *trend, double window, double least_readings, double filled, double *found) {
-    const heave::Slope slope = heave::slope_of(*trend, window, least_readings, filled);
-    found[0] = slope.value, found[1] = slope.error, found[2] = slope.is_known, found[3] = heave::mean_of(*trend, window);
-}
-
-// The rolling window: a tick, and what it holds.
-void heave_core_kpi_add(const heave::KpiDesign *design, heave::KpiState *state, heave::KpiRow *rows, const heave::KpiRow *row) {
-    heave::add(*design, *state, rows, *row);
-}
-
+// What the rolling window holds.
 void heave_core_kpi(const heave::KpiDesign *design, const heave::KpiState *state, const heave::KpiRow *rows, heave::KpiWindow *window) {
     heave::summarise(*design, *state, rows, *window);
 }
@@ -156,10 +104,6 @@ void heave_core_drum_ordered(const heave::DrumWatchDesign *design, heave::DrumWa
 }
 
 // Commands: one that was taken, who is silent; and all that is watched of the winch in a tick.
-void heave_core_link_command(const heave::LinkDesign *design, heave::LinkState *state, double *minute, int given, int taken, double modelled) {
-    heave::note_command(*design, *state, minute, given, taken, modelled);
-}
-
 void heave_core_link_silence(const heave::LinkDesign *design, heave::LinkState *state, int has_state, double untaken) {
     heave::note_silence(*design, *state, has_state, untaken);
 }
@@ -174,10 +118,6 @@ double heave_core_approach_speed(double distance, double acceleration, double la
 }
 
 // The nearest command to the wanted one within the limits of the winch.
-void heave_core_govern(const heave::ActiveWinch *winch, const heave::Wanted *wanted, heave::Governed *governed) {
-    *governed = heave::govern(*winch, *wanted);
-}
-
 // A law without a plan, away from the limits.
 void heave_core_restart_law(heave::LawState *state) { heave::restart_law(*state); }
 
@@ -191,31 +131,8 @@ void heave_core_follow_plan(const heave::ActiveWinch *winch, const heave::Law *l
     heave::follow_plan(*winch, *law, *problem, *state);
 }
 
-void heave_core_bound_plan(const heave::ActiveWinch *winch, const heave::Law *law, const heave::Problem *problem, heave::LawState *state) {
-    heave::bound_plan(*winch, *law, *problem, *state);
-}
-
 // The command of a tick: the problem is posed, the law is asked, the command is made. What Python is asked for first is
 // returned; it then puts what it found into `asked` and calls `heave_core_make`.
-void heave_core_pose(const heave::ActiveWinch *winch, const heave::CommandDesign *design, const heave::Loop *loop, heave::Problem *problem, heave::Command *command) {
-    heave::pose_problem({*winch, *design, *loop}, *problem, *command);
-}
-
-void heave_core_make(const heave::ActiveWinch *winch, const heave::CommandDesign *design, const heave::Loop *loop, const heave::Problem *problem, heave::CommandState *state, heave::Command *command) {
-    heave::make_command({*winch, *design, *loop}, *problem, *state, *command);
-}
-
-int heave_core_answer(const heave::ActiveWinch *winch, const heave::CommandDesign *design, const heave::Loop *loop, const heave::Law *law, const heave::Problem *problem, heave::LawState *law_state, heave::CommandState *state, heave::Command *command) {
-    const int asks = heave::ask_command({*winch, *design, *loop}, *law, *problem, *law_state, *state, *command);
-    if (asks == 0) heave_core_make(winch, design, loop, problem, state, command);
-    return asks;
-}
-
-int heave_core_act(const heave::ActiveWinch *winch, const heave::CommandDesign *design, const heave::Loop *loop, const heave::Law *law, heave::Problem *problem, heave::LawState *law_state, heave::CommandState *state, heave::Command *command) {
-    heave_core_pose(winch, design, loop, problem, command);
-    return heave_core_answer(winch, design, loop, law, problem, law_state, state, command);
-}
-
 // The acting half of a tick, on addresses that Python fills once: the command, for which Python may be asked first, as above,
 // and the order that leaves. The place of a speed; what is watched of the load.
 int heave_core_act_tick(const heave::Acting *on) { return heave::act(*on); }
@@ -228,22 +145,10 @@ void heave_core_act_make(const heave::Acting *on) { heave::make(*on); }
 
 void heave_core_act_leave(const heave::Acting *on) { heave::leave(*on); }
 
-double heave_core_place(heave::Place *place, double tick_period, double rate, double payout, int is_braked) {
-    return heave::place_at_end(*place, tick_period, rate, payout, is_braked);
-}
-
 void heave_core_load_begin(const heave::LoadWatchDesign *design, heave::LoadWatchState *state) { heave::begin_load_watch(*design, *state); }
-
-int heave_core_load(const heave::LoadWatchDesign *design, heave::LoadWatchState *state, double tension, double static_tension, int is_at_limit) {
-    return heave::watch_load(*design, *state, tension, static_tension, is_at_limit);
-}
 
 // The mode machine: a tick, which returns the event that was taken, -1: none; an event of an operator or the load, which
 // returns 1 where a row was taken.
-int heave_core_modes(const heave::ModeDesign *design, const heave::Situation *situation, heave::ModeState *state) {
-    return heave::step_modes(*design, *situation, *state);
-}
-
 int heave_core_modes_event(const heave::ModeDesign *design, const heave::Situation *situation, int event, heave::ModeState *state) {
     return heave::take_event(*design, *situation, event, *state);
 }
@@ -301,23 +206,6 @@ int heave_core_advance_motion(const double *A, const double *B, heave::MeanMotio
 }
 
 // Constant tension without the motion reference unit: a tick of the record, a reading of the boom tip, and what leads alone.
-void heave_core_note_tension(heave::TensionRecord *record, double tension, double payout) {
-    heave::note_tension(*record, tension, payout);
-}
-
-double heave_core_read_tip(const heave::TensionAlone *alone, const heave::TensionRecord *record) {
-    return heave::read_tip(*alone, *record);
-}
-
-double heave_core_follow_tip(heave::TensionAlone *alone, const heave::TensionRecord *record) {
-    return heave::follow_tip(*record, *alone);
-}
-
-void heave_core_lead_alone(heave::TensionAlone *alone, const heave::TensionRecord *record, double set_point, double largest,
-                           int unit_stands, heave::TensionRate *rate) {
-    *rate = heave::lead_alone(*record, set_point, largest, unit_stands, *alone);
-}
-
 // What is sensed: begin; a tick, with the room for its readings: two of each delivered and one of the encoder; jumps.
 void heave_core_sense_begin(const heave::SenseDesign *design, heave::SenseState *state) { heave::begin_sense(*design, *state); }
 
@@ -366,60 +254,4 @@ void heave_core_rescale_encoder(heave::SenseState *state, double factor, double 
 void heave_core_trust_encoder(heave::SenseState *state) { heave::trust(state->encoder); }
 
 // Parts of it by themselves: the gate of a sensor, jumps and noise, what innovations and tensions say.
-int heave_core_gate(const heave::SenseDesign *design, heave::SenseState *state, int sensor, double now, double time,
-                    const double *values, int count, int status) {
-    return heave::judge(design->health, design->sensors[sensor], state->gates[sensor], now, time, values, count, status);
-}
-
-void heave_core_gate_tick(const heave::SenseDesign *design, heave::SenseState *state, int sensor, double now) {
-    heave::tick_gate(design->health, design->sensors[sensor], state->gates[sensor], now);
-}
-
-void heave_core_gate_take_back(const heave::SenseDesign *design, heave::SenseState *state, int sensor, int reason, int is_news) {
-    heave::take_back(design->health, state->gates[sensor], reason, is_news);
-}
-
-int heave_core_gate_is_slow(const heave::SenseDesign *design, heave::SenseState *state, int sensor) {
-    return heave::is_slow(design->health, state->gates[sensor].interval);
-}
-
-int heave_core_mru(const heave::SenseDesign *design, heave::SenseState *state, double now, const heave::Delivered *reading) {
-    return heave::admits_mru(*design, *state, now, *reading);
-}
-
-int heave_core_mru_is_off(const heave::SenseDesign *design, heave::SenseState *state, const heave::Delivered *reading, double noise) {
-    return heave::is_off(design->steps, state->mru, *reading, noise);
-}
-
-double heave_core_depth(const heave::SenseDesign *design, heave::SenseState *state, double time, double depth, double noise) {
-    return heave::take_off(design->steps, state->jumps, time, depth, noise);
-}
-
-void heave_core_encoder_pass(const heave::SenseDesign *design, heave::SenseState *state, double now, double rate) {
-    heave::pass_tick(design->steps, state->encoder, now, rate * design->tick_period);
-}
-
-double heave_core_encoder(const heave::SenseDesign *design, heave::SenseState *state, double now, double time, double reading, double rate, int is_driven) {
-    return heave::judge_encoder(*design, state->gates[design->encoder], state->encoder, now, time, reading, rate, is_driven);
-}
-
-double heave_core_noise(const heave::SenseDesign *design, heave::SenseState *state, int row, double value, double stated) {
-    return heave::add_noise(design->health, design->measured[row], state->noises[row], value, stated);
-}
-
-int heave_core_noise_is_worse(const heave::SenseDesign *design, heave::SenseState *state, int row) {
-    return heave::has_worse_noise(design->health, design->measured[row], state->noises[row]);
-}
-
-int heave_core_consistency(const heave::SenseDesign *design, heave::SenseState *state, const double *nis) {
-    for (int row = 0; row < heave::MEASUREMENTS; row++)
-        if (design->measured[row].is_compared) heave::add_innovation(design->watches, design->tick_period, state->noises[row], nis[row]);
-    return heave::watch_consistency(*design, *state);
-}
-
-void heave_core_tension(const heave::SenseDesign *design, heave::SenseState *state, double tension, double place, int stands) {
-    heave::filter_tension(design->watches, state->mean_tension, tension);
-    heave::add_tension(design->watches, design->tick_period, state->mean_tension, tension, place, stands);
-}
-
 }

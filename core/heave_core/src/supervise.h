@@ -35,7 +35,7 @@ void begin_standing_load(SupervisionState &state);
 void watch_standing_load(const Supervising &on, const double *depths, bool is_cell_lost, bool is_encoder_lost, int &happened);
 int load_gates(const Supervising &on);
 
-// gates.cpp: what keeps compensation and constant tension from beginning, and a tension that is too low for the sea
+// start_gates.cpp: what keeps compensation and constant tension from beginning, and a tension that is too low for the sea
 int compensation_gates(const Supervising &on);
 int tension_gates(const Supervising &on, bool is_cell_lost);
 void begin_highest_tension(SupervisionState &state);

@@ -24,7 +24,7 @@ from heave_studies.whatif.identify import (
 from heave_studies.whatif.record import SensorRecord
 from heave_studies.whatif.spectra import HighPass, Tip, TipSource, tip_source
 from heave_studies.whatif.twin import PastWinch
-from winch_controller_node.beliefs.corrections import AS_READ
+from winch_controller_node.beliefs.beliefs import AS_READ
 from winch_controller_node.interface.readings import Measurements, ScalarReading
 
 TICK = 0.05

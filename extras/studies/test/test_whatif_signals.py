@@ -25,8 +25,7 @@ from heave_studies.whatif.spectra import (
     tip_source,
 )
 from heave_studies.whatif.twin import PlantFactors, past_winch, scaled_line, speeds_shown, winch_under
-from winch_controller_node.beliefs.beliefs import Belief, Beliefs
-from winch_controller_node.beliefs.corrections import AS_READ, Correction
+from winch_controller_node.beliefs.beliefs import AS_READ, Belief, Beliefs, Correction
 from winch_controller_node.interface.readings import Measurements, ScalarReading, WinchOrder, WinchReading
 
 TICK, NOISE = 0.05, 0.01

@@ -34,12 +34,13 @@ from winch_controller_node.beliefs.beliefs import (
     Adopted,
     Belief,
     Beliefs,
+    Correction,
     EncoderScale,
+    corrections,
     latency_ticks,
     parameters_under,
     without_sea,
 )
-from winch_controller_node.beliefs.corrections import Correction, corrections
 from winch_controller_node.beliefs.quantities import ENCODER_SCALE, QUANTITIES, out_of_range, with_value
 from winch_controller_node.design.design import ControllerDesign, assumed_cable, design_controller, length_followed
 from winch_controller_node.design.seas import possible_seas

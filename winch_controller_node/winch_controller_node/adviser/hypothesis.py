@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 from heave_node.numerics.arrays import Array
 
-from winch_controller_node.adviser.record import SensorHistory
+from winch_controller_node.adviser.record import SENSOR_OF, SensorHistory
 from winch_controller_node.beliefs.quantities import (
     DEPTH_SCALE,
     ENCODER_SCALE,
@@ -23,7 +23,6 @@ from winch_controller_node.beliefs.quantities import (
     QUANTITIES,
 )
 from winch_controller_node.design.design import ControllerDesign
-from winch_controller_node.interface.sensors import KnownSensors
 from winch_controller_node.model.blocks import CableModel
 from winch_controller_node.node_parameters import WinchControllerParameters
 
@@ -31,9 +30,6 @@ HIGH_PASS, DRIFT, DRIFT_SIGMA = "mru.high_pass_period", "mru.bias_drift", "mru.b
 INERTIA, DAMPING = "cable.inertia_factor", "cable.damping_factor"
 SEA = ("sea.significant_wave_height", "sea.peak_period", "sea.swell.significant_wave_height", "sea.swell.peak_period")
 SEA_PERIOD, SWELL_PERIOD = SEA[1::2]
-
-SENSOR_OF = {row.name: name for name, sensor in KnownSensors().by_name().items() for row in sensor.rows()}
-"""Sensor of each measurement."""
 
 PRICES = {
     INERTIA: 6.0,

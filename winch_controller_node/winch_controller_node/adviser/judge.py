@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from winch_controller_node.adviser.columns import DELAY, FACTOR, JUDGED, ONSETS, STEP, Columns, in_columns
 from winch_controller_node.adviser.evidence import FACTORS, Fitted, evidence
-from winch_controller_node.adviser.filter_pass import SETTLING, PassModel, PassResult, run_pass
+from winch_controller_node.adviser.filter_pass import SETTLING, PassModel, PassResult, linear, pass_model, run_pass
 from winch_controller_node.adviser.hypothesis import (
     DAMPING,
     DRIFT,
@@ -35,7 +35,6 @@ from winch_controller_node.adviser.hypothesis import (
     Change,
     Hypothesis,
 )
-from winch_controller_node.adviser.pass_model import linear, pass_model
 from winch_controller_node.adviser.record import TICK, Excerpt
 from winch_controller_node.beliefs.quantities import ENCODER_SCALE, QUANTITIES, out_of_range, with_value
 from winch_controller_node.design.design import measurement_models

@@ -11,8 +11,7 @@ import numpy as np
 from heave_node.numerics.arrays import Array
 from numpy.typing import NDArray
 
-from winch_controller_node.beliefs.beliefs import EncoderScale
-from winch_controller_node.beliefs.corrections import AS_READ, Correction
+from winch_controller_node.beliefs.beliefs import AS_READ, Correction, EncoderScale
 from winch_controller_node.interface.observations import READING_COLUMNS, TICK_COLUMNS, Observations
 from winch_controller_node.interface.sensors import KnownSensors
 

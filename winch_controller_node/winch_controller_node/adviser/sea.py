@@ -13,8 +13,7 @@ from wave_vessel_node.sea.shaping_filter import shaping_filter
 from wave_vessel_node.vessel.second_order import boom_tip_model
 
 from winch_controller_node.adviser.columns import in_columns
-from winch_controller_node.adviser.filter_pass import SETTLING, run_pass
-from winch_controller_node.adviser.pass_model import linear, pass_model
+from winch_controller_node.adviser.filter_pass import SETTLING, linear, pass_model, run_pass
 from winch_controller_node.adviser.record import TICK, Excerpt, SensorHistory
 from winch_controller_node.design.design import ControllerDesign, measurement_models
 from winch_controller_node.design.seas import (

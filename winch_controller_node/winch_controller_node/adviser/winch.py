@@ -22,8 +22,8 @@ from winch_controller_node.adviser.drum.drum_fit import (
     SPEED_OUT,
     DrumFit,
     fit_drum,
+    prior_of,
 )
-from winch_controller_node.adviser.drum.drum_prior import prior_of
 from winch_controller_node.adviser.drum.drum_record import FACTOR, FIELDS, drum_record
 from winch_controller_node.adviser.drum.drum_search import PRICES, begun, identify, needs, price_of, shown_limits
 from winch_controller_node.adviser.hypothesis import SHARE_LEFT
@@ -91,7 +91,6 @@ class WinchAnswer:
         of that, and by how much it has jumped there [m]; None: as assumed
     gain : of the drum by the encoder's assumed scale, over the nominal one
     nats : by how much better the record is explained
-    residual : of the record under the present beliefs [m]
     """
 
     changed: Mapping[str, Belief] = field(default_factory=dict)
@@ -99,7 +98,6 @@ class WinchAnswer:
     factor: tuple[int, float, float, float] | None = None
     gain: float = 1.0
     nats: float = 0.0
-    residual: float = 0.0
 
 
 @dataclass
@@ -202,7 +200,7 @@ class WinchIdentifier:
         # a factor at the end of what can be is no scale: the encoder has another fault
         factor, ends = float(found.theta[FACTOR]), (self._prior.lowest[FACTOR], self._prior.highest[FACTOR])
         if FACTOR in found.free and (factor in ends or not is_explained):
-            return WinchAnswer(gain=gain, residual=present.residual)
+            return WinchAnswer(gain=gain)
         if FACTOR in found.free:
             tick = excerpt.last + 1 - (len(found.record.readings) - found.record.onset)
             index = found.free.index(FACTOR)
@@ -211,7 +209,6 @@ class WinchIdentifier:
                 factor=(tick, factor, float(found.sigmas[index]), found.record.step(found.theta)),
                 gain=gain,
                 nats=nats,
-                residual=present.residual,
             )
         new = {i for i in found.free if held[i] == self._prior.nominal[i]}
         nats = present.loss - found.loss - price_of(new)
@@ -233,7 +230,7 @@ class WinchIdentifier:
             if value != self._prior.nominal[i]
         }
         nominal = frozenset(QUANTITY_OF[Drum._fields[i]] for i, v in values.items() if v == self._prior.nominal[i])
-        return WinchAnswer(changed, nominal, None, gain, nats, present.residual)
+        return WinchAnswer(changed, nominal, None, gain, nats)
 
     @staticmethod
     def _sigma(found: DrumFit, index: int) -> float:

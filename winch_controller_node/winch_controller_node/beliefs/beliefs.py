@@ -16,6 +16,10 @@ from heave_node.numerics.arrays import Array
 from winch_controller_node.beliefs.quantities import (
     ACCELERATION_IN,
     ACCELERATION_OUT,
+    DEPTH_SCALE,
+    MRU_DELAY,
+    MRU_OFFSET,
+    MRU_SCALE,
     POWER_LIMIT,
     QUANTITIES,
     SPEED_IN,
@@ -172,3 +176,32 @@ def latency_ticks(tick_period: float) -> int:
     In the first the observations are on their way, in the second the answer.
     """
     return max(2, round(LATENCY / tick_period))
+
+
+class Correction(NamedTuple):
+    """What a sensor reads is taken as (reading - offset) / scale at its stamp less delay; of a rate without the offset.
+
+    Attributes
+    ----------
+    scale : reading over truth [-]
+    offset : of a reading [in its unit]
+    delay : of its stamp behind the truth [s]
+    """
+
+    scale: float = 1.0
+    offset: float = 0.0
+    delay: float = 0.0
+
+
+AS_READ = Correction()
+"""Nothing is corrected."""
+
+
+def corrections(beliefs: Beliefs, nominal: WinchControllerParameters) -> dict[str, Correction]:
+    """Return the corrections of MRU and depth sensor under `beliefs` about the `nominal`, not of the encoder."""
+    return {
+        "mru": Correction(
+            beliefs.value(MRU_SCALE, nominal), beliefs.value(MRU_OFFSET, nominal), beliefs.value(MRU_DELAY, nominal)
+        ),
+        "depth": Correction(beliefs.value(DEPTH_SCALE, nominal)),
+    }

@@ -9,11 +9,11 @@ from winch_controller_node.beliefs.beliefs import (
     Beliefs,
     EncoderScale,
     Finding,
+    corrections,
     latency_ticks,
     parameters_under,
     without_sea,
 )
-from winch_controller_node.beliefs.corrections import corrections
 from winch_controller_node.beliefs.quantities import ENCODER_SCALE, QUANTITIES, out_of_range, restated
 from winch_controller_node.beliefs.words import alarms_of
 from winch_controller_node.core.design_in_force import DesignInForce, designed

@@ -27,10 +27,10 @@ from winch_controller_node.laws.constant_tension import TRAVEL, ConstantTension
 from winch_controller_node.laws.core_law import CoreLaw
 from winch_controller_node.laws.law import ControlLaw, LawCommand
 from winch_controller_node.laws.outlet_hold import OutletHold
-from winch_controller_node.laws.parts.governor import TENSION, CommandGovernor, GovernedCommand, drum_ahead, shaped_by
+from winch_controller_node.laws.parts.governor import TENSION, GovernedCommand, drum_ahead, shaped_by
 from winch_controller_node.laws.parts.loop_state import LoopState, Reference
-from winch_controller_node.laws.parts.winch_limits import ActiveWinch
-from winch_controller_node.model.loop_rows import loop_rows
+from winch_controller_node.laws.parts.winch_limits import ActiveWinch, WinchLimits
+from winch_controller_node.model.models import loop_rows
 from winch_controller_node.motion.mean_motion import MeanMotion
 
 GIVING_TIME = 1.0
@@ -174,10 +174,6 @@ class LoopCommand:
     ----------
     design : the active one; law : of it, for compensation
     beside : what else it works on
-
-    Attributes
-    ----------
-    governor : of all commands
     """
 
     def __init__(self, design: ControllerDesign, law: ControlLaw, beside: Beside) -> None:
@@ -200,7 +196,7 @@ class LoopCommand:
         active = law.winch if isinstance(law, CoreLaw) else ActiveWinch(self._winch, design.limits, design.tick_period)
         active.take(self._winch, design.limits)
         self._core_law = law if isinstance(law, CoreLaw) else None
-        self.governor = CommandGovernor(model, active)
+        self._active = active
         damping = None if self._is_first_order else OutletHold(model, self._winch, design.cable.a)
         self._settled_swing = math.inf if damping is None else damping.settled_swing
         self._core = commander(design, active, law, self._state, self._command)
@@ -254,9 +250,14 @@ class LoopCommand:
         speed: float = numbers.item(VALUE) - numbers.item(STANDING)
         return abs(speed)
 
+    @property
+    def limits(self) -> WinchLimits:
+        """The active limits of the winch."""
+        return self._active.limits
+
     def payout_range(self) -> tuple[float, float]:
         """Return the ends of the range that the mean payout may use [m]."""
-        limits = self.governor.limits
+        limits = self.limits
         return limits.payout_minimum, limits.payout_maximum
 
     def act(self, tick: Tick, preview: HeavePreview | None = None) -> None:

@@ -170,7 +170,7 @@ class OperatorRequests(ControllerParts):
 
     def _operator_range(self, lowest: float, highest: float, lag: float) -> OperatorRange:
         """Return an operator's share of the winch, from a `lowest` to a `highest` payout [m], with a `lag` [s]."""
-        limits, shares = self._command.governor.limits, self.parameters.operator
+        limits, shares = self._command.limits, self.parameters.operator
         return OperatorRange(
             speed=shares.speed_share * limits.speed,
             acceleration=shares.acceleration_share * limits.acceleration,

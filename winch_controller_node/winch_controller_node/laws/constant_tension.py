@@ -11,8 +11,7 @@ from heave_core.law import put
 from heave_node.numerics.linear_model import LinearModel
 
 from winch_controller_node.laws.parts.governor import standing_command
-from winch_controller_node.laws.parts.tension_alone import TensionAlone
-from winch_controller_node.laws.parts.tip_by_tension import WAVE_TIME_SHARES, TensionRecord
+from winch_controller_node.laws.parts.tip_by_tension import WAVE_TIME_SHARES, TensionAlone, TensionRecord
 from winch_controller_node.model.blocks import CableModel
 from winch_controller_node.parameters.laws import TensionLawParameters
 from winch_controller_node.parameters.model import WinchModelParameters

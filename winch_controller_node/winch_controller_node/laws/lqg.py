@@ -16,10 +16,10 @@ from heave_core.law import put
 from heave_node.numerics.arrays import Array
 from heave_node.parameters import parameter
 
+from winch_controller_node.laws.core_law import StateFeedback
 from winch_controller_node.laws.law import LawDesign
 from winch_controller_node.laws.mpc import ConstrainedLaw, MpcParameters, Planner, own_gains
 from winch_controller_node.laws.parts.near_limits import near_limits
-from winch_controller_node.laws.state_feedback import StateFeedback
 
 
 @dataclass(frozen=True)

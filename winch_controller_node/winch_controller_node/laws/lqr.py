@@ -6,9 +6,9 @@ from typing import ClassVar
 
 from heave_node.numerics.arrays import Array
 
+from winch_controller_node.laws.core_law import StateFeedback
 from winch_controller_node.laws.law import LawDesign
 from winch_controller_node.laws.parts.effort import feedback_effort
-from winch_controller_node.laws.state_feedback import StateFeedback
 from winch_controller_node.model.regulator import unit_regulator_gain
 
 

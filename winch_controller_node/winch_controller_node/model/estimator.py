@@ -199,25 +199,6 @@ class KalmanEstimator:
             row, change, bend = table.rows[which], table.changes[which], table.bends[which]
         return np.asarray(row + offset * change + 0.5 * offset * (offset - 1.0) * bend) if offset != 0.0 else row
 
-    def set_model(
-        self,
-        model: LinearModel,
-        measurements: Sequence[MeasurementModel],
-        drag: Drag | None = None,
-        slack: Slack | None = None,
-    ) -> None:
-        """Go on with another model of the same states, measurements, drag and slack.
-
-        The estimate stays.
-
-        Raises ValueError for a model with other states, or other names of measurements.
-        """
-        names = [measurement.name for measurement in measurements]
-        if model.state_names != self.model.state_names or names != list(self.measurements):
-            raise ValueError("a model with different states or measurements needs a new estimator")
-        self._refer_to(model, measurements, drag, slack)
-        self._filter.set_model(self._filter_model)
-
     def _refer_to(
         self, model: LinearModel, measurements: Sequence[MeasurementModel], drag: Drag | None, slack: Slack | None
     ) -> None:

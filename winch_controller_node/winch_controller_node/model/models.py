@@ -280,3 +280,33 @@ def shadow_model(cable: CableModel, tick_period: float) -> LinearModel:
         feedthrough={(heave, "boom_tip_heave"): 1.0 - share, (rate, "boom_tip_heave_rate"): 1.0 - share},
         dt=tick_period,
     )
+
+
+@dataclass(frozen=True, eq=False)
+class LoopRows:
+    """Rows and indices of a model.
+
+    Attributes
+    ----------
+    payout, payout_rate : rows of payout [m] and its rate [m/s], shape (n,)
+    payout_rate_through : what the active command adds to that rate: not 0 for a first-order winch without delay
+    tip : heave of the boom tip [m] and its rate, shape (2, n)
+    unit_states : indices of unit heave and rate in the state
+    """
+
+    payout: Array
+    payout_rate: Array
+    payout_rate_through: float
+    tip: Array
+    unit_states: NDArray[np.int64]
+
+
+def loop_rows(model: LinearModel) -> LoopRows:
+    """Return the rows of a design's model."""
+    return LoopRows(
+        payout=model.row("payout"),
+        payout_rate=model.row("payout_rate"),
+        payout_rate_through=float(model.D[model.output_names.index("payout_rate"), 0]),
+        tip=np.array([model.row("boom_tip_heave"), model.row("boom_tip_heave_rate")]),
+        unit_states=np.array([model.state("unit_heave"), model.state("unit_heave_rate")]),
+    )

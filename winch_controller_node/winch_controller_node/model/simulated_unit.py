@@ -1,4 +1,4 @@
-"""What is not linear of a hanging unit, quadratic drag and a cable that is slack, and the unit that moves by both.
+"""What is not linear of a hanging unit: quadratic drag, and a cable that is slack.
 
 Gains are designed for a unit that hardly moves. One that no winch holds may move by metres, and near the resonance its
 motion is then ruled by a drag several times that of the design; and its cable cannot push it. How it moves is in C++
@@ -12,8 +12,6 @@ from typing import Any
 
 import numpy as np
 from heave_core.filter import Drag, Slack
-from heave_core.look import HangingUnit
-from heave_node.numerics.arrays import Array
 from heave_node.numerics.linear_model import LinearModel
 
 from winch_controller_node.model.blocks import CableModel
@@ -54,37 +52,3 @@ def hanging_cable(cable: CableModel, tick_period: float) -> dict[str, Any]:
         # of a uniform cable a third moves with the unit, and a sixth is what makes the participation more than 1
         "cable_share": 2.0 * (cable.participation - 1.0),
     }
-
-
-class SimulatedUnit:
-    """The unit as it moves below an outlet whose motion is known, nothing being measured of the unit.
-
-    Parameters
-    ----------
-    cable : that it hangs on
-    tick_period : [s]
-    """
-
-    def __init__(self, cable: CableModel, tick_period: float) -> None:
-        self._unit = HangingUnit(hanging_cable(cable, tick_period))
-
-    @property
-    def state(self) -> Array:
-        """Heave [m] and heave rate [m/s], shape (2,)."""
-        return self._unit.motion
-
-    def take_cable(self, cable: CableModel, tick_period: float) -> None:
-        """Go on with another `cable`, in ticks of `tick_period` [s]."""
-        self._unit.take_cable(hanging_cable(cable, tick_period))
-
-    def continue_at(self, state: Array) -> None:
-        """Go on from another `state`, shape (2,)."""
-        self._unit.continue_at(state[0], state[1])
-
-    def step(self, outlet: Array) -> Array:
-        """Advance by a tick and return the state.
-
-        `outlet` is its heave [m] and heave rate [m/s] at the start of the tick, shape (2,): those of the boom tip less
-        payout and payout rate.
-        """
-        return self._unit.step(outlet[0], outlet[1])

@@ -42,7 +42,7 @@ def _advise_again(path: Path, options: argparse.Namespace) -> None:
     """Answer the observations in a bag again, and say whether its beliefs are the same."""
     from heave_bags.mcap.reader import Bag
     from heave_node.interface import topics
-    from winch_controller_node.advice.replay import compare_again
+    from winch_controller_node.advice.answering import compare_again
     from winch_controller_node.adviser_node import WinchAdviserNode
 
     from heave_bringup.output import write_result

@@ -21,8 +21,7 @@ from winch_controller_node.core.supervision.modes import Mode
 from winch_controller_node.core.supervision.supervisor import guarded_loop
 from winch_controller_node.core.supervision.watch.winch_watch import TOLERATED_SHARE
 from winch_controller_node.interface.sensors import DEPTH_BIAS
-from winch_controller_node.laws.core_law import CoreLaw
-from winch_controller_node.laws.state_feedback import StateFeedback
+from winch_controller_node.laws.core_law import CoreLaw, StateFeedback
 from winch_controller_node.motion.mean_motion import RETURN_SPEED
 
 READINGS_MOST = 16

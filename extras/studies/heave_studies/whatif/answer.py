@@ -13,8 +13,7 @@ from heave_node.interface.codes import COMPENSATION_LOST, MODE_CHANGED, WinchLim
 from heave_node.kpi import efficiency, significant
 from heave_node.numerics.arrays import Array
 from heave_node.numerics.randomness import random_stream
-from winch_controller_node.beliefs.beliefs import Beliefs, parameters_under
-from winch_controller_node.beliefs.corrections import corrections
+from winch_controller_node.beliefs.beliefs import Beliefs, corrections, parameters_under
 from winch_controller_node.beliefs.quantities import DEPTH_SCALE, ENCODER_SCALE
 from winch_controller_node.core.supervision.modes import Mode
 from winch_controller_node.node_parameters import WinchControllerParameters

@@ -15,7 +15,7 @@ import numpy as np
 from cable_sim_node.vertical.axial_line import AxialLine
 from heave_node.numerics.arrays import Array, ComplexArray
 from scipy.fft import dct, idct
-from winch_controller_node.beliefs.corrections import Correction
+from winch_controller_node.beliefs.beliefs import Correction
 
 from heave_studies.whatif.record import SensorRecord, at_ticks
 

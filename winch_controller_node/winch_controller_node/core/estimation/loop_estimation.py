@@ -29,7 +29,7 @@ from winch_controller_node.design.seas import SeaTracker
 from winch_controller_node.interface.readings import Measurements, WinchReading
 from winch_controller_node.interface.sensors import DEPTH_BIAS, LEVER_ARM_X, LEVER_ARM_Y
 from winch_controller_node.model.estimator import NO_REGRESSORS, Measurement, RecordedTick, begin_anew
-from winch_controller_node.model.loop_rows import loop_rows
+from winch_controller_node.model.models import loop_rows
 from winch_controller_node.model.simulated_unit import hanging_cable
 from winch_controller_node.motion.mean_motion import MeanMotion
 

@@ -17,7 +17,7 @@ from heave_node.interface.alarm import Alarm
 from heave_node.interface.codes import SensorLevel
 from heave_node.numerics.arrays import Array
 
-from winch_controller_node.beliefs.corrections import Correction
+from winch_controller_node.beliefs.beliefs import Correction
 from winch_controller_node.core.estimation.sense_design import (
     INDEX,
     ROWS,

@@ -12,7 +12,7 @@ from heave_core.sense_table import READ, SENSORS, TRAVELS, ZeroKind
 from heave_node.interface.sensors import LARGEST_PAYOUT, MRU, Water
 from heave_node.interface.sensors import SENSORS as DELIVERING
 
-from winch_controller_node.beliefs.corrections import AS_READ, Correction
+from winch_controller_node.beliefs.beliefs import AS_READ, Correction
 from winch_controller_node.core.estimation.loop_tick import TENSION_MEMORY
 from winch_controller_node.design import seas
 from winch_controller_node.design.design import ControllerDesign

@@ -103,14 +103,3 @@ class LateCommands:
             percent, largest = 100.0 * float(self._state["late_in_minute"]) / len(minute), float(minute.max())
             return ALARMS.alarm("COMMANDS_LATE: often", percent=percent, window=SHARE_WINDOW, largest=largest)
         return None
-
-    def update(self, given: int, taken: int, delay: float) -> Alarm | None:
-        """Return what is wrong, once each time; None when nothing is.
-
-        Parameters
-        ----------
-        given, taken : number of the last command, and of the newest one in effect at the end of its tick
-        delay : of the model [s]
-        """
-        self._link.command(given, taken, delay)
-        return self.news

@@ -21,14 +21,13 @@ class KpiWindow:
     Attributes
     ----------
     records : of the core, by name
-    add : takes a tick in, by the rows of KPI_ROW
     """
 
     def __init__(self, window: float, *, tick_period: float) -> None:
         self._dt, rows = tick_period, max(2, round(window / tick_period))
         limits = {"speed": math.inf, "acceleration": math.inf}
         self._ring = KpiRing({"tick_period": tick_period, "rows": rows, **limits})
-        self.records, self.add = self._ring.records, self._ring.add
+        self.records = self._ring.records
 
     def take_winch(self, winch: WinchModelParameters) -> None:
         """Count by the limits of another `winch` from now on."""

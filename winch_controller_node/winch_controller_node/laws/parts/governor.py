@@ -12,13 +12,11 @@ from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
-from heave_core.law import Governor
 from heave_core.law_table import Shaped
 from heave_node.numerics.arrays import Array
 from heave_node.numerics.linear_model import LinearModel
 from heave_node.numerics.linear_sampling import discretise
 
-from winch_controller_node.laws.parts.winch_limits import ActiveWinch, WinchLimits
 from winch_controller_node.model.blocks import winch_block
 from winch_controller_node.parameters.model import WinchModelParameters
 
@@ -58,52 +56,6 @@ def shaped_by(bits: int, *, is_first_order: bool) -> tuple[str, ...]:
     """
     names = tuple(name for bit, name in SHAPED_NAMES.items() if bits & bit)
     return names[::-1] if is_first_order else names
-
-
-class CommandGovernor:
-    """Saturates commands against the predicted state of the winch.
-
-    Parameters
-    ----------
-    model : the design's augmented model, one input
-    winch : the active one, with its limits
-    """
-
-    def __init__(self, model: LinearModel, winch: ActiveWinch) -> None:
-        self._winch = winch
-        self._governor = Governor(winch.record)
-        self._is_first_order = bool(winch.record["is_first_order"][0])
-        self._ahead = drum_ahead(model, winch.winch)
-
-    @property
-    def limits(self) -> WinchLimits:
-        """The active limits."""
-        return self._winch.limits
-
-    def predict(self, x: Array) -> tuple[float, float]:
-        """Return payout [m] and rate [m/s] at the moment the next command takes effect, from the model's state `x`."""
-        payout, rate = (self._ahead @ x).tolist()
-        return payout, rate
-
-    def govern(
-        self,
-        wanted: float,
-        payout: float,
-        rate: float,
-        tension: float,
-        within: tuple[float, float] = (math.nan, math.nan),
-    ) -> GovernedCommand:
-        """Return the nearest command to `wanted` within the limits.
-
-        Parameters
-        ----------
-        wanted : rate command [m/s], or payout command [m] of a first-order winch
-        payout, rate : of the winch when the command takes effect, with mean motion [m], [m/s]
-        tension : expected at the top, for the power limit [N]
-        within : least and largest speed of a speed servo, whatever its predicted state [m/s]; NaN: any
-        """
-        value, sent, shaped = self._governor.step((wanted, payout, rate, tension, *within, -math.inf, math.inf))
-        return GovernedCommand(value, shaped_by(int(shaped), is_first_order=self._is_first_order), sent)
 
 
 def drum_ahead(model: LinearModel, winch: WinchModelParameters) -> Array:

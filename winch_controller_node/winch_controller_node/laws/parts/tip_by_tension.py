@@ -16,8 +16,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from heave_core.law import put
-from heave_core.law_table import ALONE_STATES, TENSION_RECORD, TENSION_TICKS
-from heave_core.library import library, new
+from heave_core.law_table import ALONE_STATES, TENSION_ALONE, TENSION_RECORD, TENSION_TICKS
+from heave_core.library import new
 from heave_node.numerics.arrays import Array, ComplexArray
 from heave_node.numerics.linear_model import LinearModel, output_sigma
 from scipy.linalg import solve_discrete_are
@@ -76,10 +76,6 @@ class TensionRecord:
             )
         self.record = new(TENSION_RECORD) if record is None else record
         put(self.record, {"count": 0, "kept": ticks})
-
-    def add(self, tension: float, payout: float) -> None:
-        """Take in `tension` [N] and `payout` [m] of a tick."""
-        library().heave_core_note_tension(self.record.ctypes.data, tension, payout)
 
 
 def standing_wire(s: ComplexArray, wave_time: float) -> ComplexArray:
@@ -267,3 +263,42 @@ def _with_constant(matrix: Array, value: float) -> Array:
     larger = np.zeros((len(matrix) + 1, len(matrix) + 1))
     larger[:-1, :-1], larger[-1, -1] = matrix, value
     return larger
+
+
+class TensionAlone:
+    """Follows the boom tip as tension and drum tell it, and corrects by the mean tension.
+
+    Above a unit that hangs they do not tell it, and the correction is left.
+
+    Parameters
+    ----------
+    model : sampled augmented model of the design
+    cable : stiffness, and what a hanging unit does; winch : delay, lag and speed
+    round_trip : time of a wave down the cable and back [s]
+    time_constant : of the correction; the least, which delay and wire may lengthen [s]
+
+    Attributes
+    ----------
+    tip : the boom tip as tension and drum tell it
+    core : array of one `TensionAlone` of the core
+    largest : speed of the correction [m/s]
+    standing, hanging : time constant of the correction above a unit that stands, and above one that hangs [s]
+    """
+
+    def __init__(
+        self,
+        model: LinearModel,
+        cable: CableModel,
+        winch: WinchModelParameters,
+        round_trip: float,
+        time_constant: float,
+    ) -> None:
+        assert model.dt is not None
+        loop = wire_loop(cable, winch, round_trip, model.dt)
+        self.largest = winch.speed_limit
+        self.tip = TipByTension(model, loop, 1.0 / max(time_constant, standing_time_constant(loop)))
+        self.standing = self.tip.time_constant
+        self.hanging = max(time_constant, hanging_time_constant(loop, cable))
+        self.core = new(TENSION_ALONE)
+        self.tip.tell(self.core)
+        put(self.core, {"standing": self.standing, "hanging": self.hanging})

@@ -97,18 +97,6 @@ class LoadWatch:
         self._core = LoadRecord(watched(parameters, rope, tick_period))
         self.records = self._core.records
 
-    def update(self, tension: float, static_tension: float, *, is_at_limit: bool) -> tuple[Alarm, ...]:
-        """Return what has just become wrong.
-
-        Parameters
-        ----------
-        tension : newest reading at the top [N]; NaN before the first
-        static_tension : under the hanging unit at rest [N]
-        is_at_limit : a limit of the winch's speed, acceleration or power acts
-        """
-        found = self._core.watch(tension, static_tension, is_at_limit=is_at_limit)
-        return self.alarms(found, tension, static_tension)
-
     def alarms(
         self, found: int, tension: float, static_tension: float, rate: float = 0.0, mode: Mode = Mode.STANDBY
     ) -> tuple[Alarm, ...]:
@@ -117,7 +105,8 @@ class LoadWatch:
         Parameters
         ----------
         found : bits of LoadNews
-        tension, static_tension : as in `update` [N]
+        tension : newest reading at the top [N]; NaN before the first
+        static_tension : under the hanging unit at rest [N]
         rate, mode : of the mean payout, positive lowers [m/s]; of the tick
         """
         if not found:
