@@ -42,14 +42,9 @@ run: $(VENV)/.installed  ## set up, then the calm-sea scenario for ten simulated
 test: style  ## set up, then every check: ruff, then mypy among the tests, on two cores
 	$(BIN)/python -m pytest --numprocesses 2 --dist loadfile --no-loadscope-reorder $(PYTEST)
 
-validate: $(VENV)/.test-installed  ## the longest tests, and campaigns of six hours or more: 100 landings, 256 winches and sensors unlike their nominal values and 256 plants too, 256 faults of sensors, 1,000 faults in all modes, 100 seas of other spectra, 192 draws of the day, 1,000 damaged bags, 1,000 hostile files, 100 killed runs, 200 interrupted studies, 1,000 storms, 200 answers of what would have been, 15 simulated hours and a real one
+validate: $(VENV)/.test-installed  ## the longest tests, and campaigns of five hours or more: 1,000 faults in all modes, 192 draws of the day of the promise, 1,000 damaged bags, 1,000 hostile files, 100 killed runs, 200 interrupted studies, 1,000 storms, 200 answers of what would have been, 15 simulated hours and a real one
 	$(BIN)/python -m pytest -m long
-	$(BIN)/python -m tests.campaigns.landings
-	$(BIN)/python -m tests.campaigns.promise --draws 256
-	$(BIN)/python -m tests.campaigns.promise --draws 256 --plant
-	$(BIN)/python -m tests.campaigns.sensor_faults
 	$(BIN)/python -m tests.campaigns.fault_matrix --cases 1000 --workers 2
-	$(BIN)/python -m tests.campaigns.seas
 	$(BIN)/heave study few --draws 64 --ask informed=true
 	$(BIN)/heave study stacked --draws 64
 	$(BIN)/heave study seas --draws 32

@@ -48,6 +48,25 @@ def give(domain: int, *arguments: str, timeout: float = 150.0) -> subprocess.Com
     )
 
 
+@contextmanager
+def beside(domain: int, *words: str, stderr: int | None = None) -> Iterator[subprocess.Popen[str]]:
+    """Run a Python program of these words in a ROS domain while a test looks; it is then interrupted, or killed.
+
+    One that is interrupted before it runs may not hear it, and must not speak in the runs of others.
+    """
+    program = subprocess.Popen([sys.executable, *words], env=environment(domain), stderr=stderr, text=True)
+    try:
+        yield program
+    finally:
+        if program.poll() is None:
+            program.send_signal(signal.SIGINT)
+        try:
+            program.wait(10.0)
+        except subprocess.TimeoutExpired:
+            program.kill()
+            program.wait()
+
+
 class Adapted(NamedTuple):
     """How `heave adapt` has ended: exit status, and what it printed."""
 

@@ -10,13 +10,12 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from heave_bringup.closed_loop import ClosedLoop, LoopRecord, loop_parameters
 from heave_bringup.pages.alarms import TABLES
-from heave_bringup.scenarios import load_scenario
 from heave_node.interface.alarm import LOOP
 from winch_controller_node.core.supervision.modes import DAMPED, LOOP_WORDS
 
 from tests.campaigns.fault_matrix.words import CLAIMS, false_words
+from tests.loops import fault, loop_of
 
 START, END = 60.0, 80.0
 """When the fault comes, and when the run ends [s]."""
@@ -27,55 +26,40 @@ FAULTS = [
     *(("winch", kind) for kind in ("gap", "delay", "drive", "emergency_stop")),
 ]
 MAGNITUDES = {"scale": -1.0, "delay": 0.6, "spike": 1.0, "jump": 1.0}
-PLACES = {
-    "mru": "wave_vessel.mru.faults",
-    "depth": "cable_sim.sensors.depth.faults",
-    "encoder": "virtual_winch.encoder.faults",
-    "winch": "virtual_winch.faults",
-}
-FROZEN = {"kind": "freeze", "start": START, "duration": 0.0, "magnitude": 0.0}
 CONDITIONAL = re.compile(r"\bor\b|\bunless\b|\botherwise\b|\bif (?!it)")
 """Words of a consequence that leaves open what happens."""
-
-
-def faulted(device: str, kind: str, scenario: str = "b2_calm_300") -> LoopRecord:
-    place = PLACES[device]
-    values = {"kind": kind, "start": START, "duration": 10.0, "magnitude": MAGNITUDES.get(kind, 0.0)}
-    settings = [f"{place}.{name}=[{value}]" for name, value in values.items()]
-    changed = load_scenario(scenario, settings=[*settings, f"all.duration={END}", "all.transient=1"])
-    return ClosedLoop(loop_parameters(changed)).run()
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("device", "kind"), FAULTS)
 def test_what_an_alarm_says_of_compensation_is_true_in_the_second_after_it(device: str, kind: str) -> None:
-    record = faulted(device, kind)
+    settings = fault(device, kind, START, 10.0, MAGNITUDES.get(kind, 0.0))
+    record = loop_of("b2_calm_300", settings, duration=END, transient=1).run()
     assert any(at >= START for at, _ in record.alarms) or kind in ("spike", "jump", "delay")
     assert false_words(record) == []
 
 
 @pytest.mark.slow
 def test_a_frozen_encoder_keeps_its_alarm_until_a_request_tries_it_and_is_named_once() -> None:
-    settings = [f"virtual_winch.encoder.faults.{name}=[{value}]" for name, value in FROZEN.items()]
-    loop = ClosedLoop(loop_parameters(load_scenario("b2_calm_300", settings=settings)))
+    loop = loop_of("b2_calm_300", fault("encoder", "freeze", START))
     raised: list[str] = []
 
     def standing(seconds: float) -> str:
         for _ in range(round(seconds / 0.05)):
             outputs, _ = loop.step()
-            raised.extend(alarm.code for alarm in outputs.alarms)
+            raised.extend(alarm.name for alarm in outputs.alarms)
         (encoder,) = [one for one in outputs.report.sensors if one.sensor == "encoder"]
-        return encoder.alarm.code if encoder.alarm else ""
+        return encoder.alarm.name if encoder.alarm else ""
 
     controller = loop.controller
-    assert (standing(100.0), controller.mode.value) == ("ENCODER_AT_FAULT", "stopped")
-    assert raised.count("ENCODER_AT_FAULT") == 1
+    assert (standing(100.0), controller.mode.value) == ("SENSOR_LOST, ENCODER: at fault", "stopped")
+    assert raised.count("SENSOR_LOST, ENCODER: at fault") == 1
     controller.ask_for_mode("standby")
-    assert (standing(5.0), controller.mode.value) == ("ENCODER_AT_FAULT", "standby")
+    assert (standing(5.0), controller.mode.value) == ("SENSOR_LOST, ENCODER: at fault", "standby")
     assert controller.ask_for_mode("compensating").startswith(("standby", "compensating")), "it is taken at once"
     assert standing(60.0)
     assert controller.mode.value in ("fade_out", "stopping", "stopped"), "it was tried, and is still frozen"
-    assert raised.count("ENCODER_AT_FAULT") == 2
+    assert raised.count("SENSOR_LOST, ENCODER: at fault") == 2
 
 
 def test_an_alarm_says_what_follows_in_this_run_not_what_may_follow() -> None:
@@ -92,7 +76,9 @@ def test_an_alarm_says_what_follows_in_this_run_not_what_may_follow() -> None:
 def test_words_that_the_modes_belie_are_found(mode: str) -> None:
     time = np.arange(0.0, 3.0, 0.05)
     for claim, allowed in CLAIMS.items():
-        loop = SimpleNamespace(code="MRU_STALE", text=f"MRU STALE. {claim}.", row=SimpleNamespace(title="MRU STALE"))
+        loop = SimpleNamespace(
+            code="SENSOR_LOST, MRU", text=f"SENSOR LOST, MRU. {claim}.", row=SimpleNamespace(title="SENSOR LOST, MRU")
+        )
         record = SimpleNamespace(column=lambda _: time, modes=[mode] * time.size, alarms=[(1.0, loop)])
         assert bool(false_words(record)) == (mode not in allowed), claim
         assert false_words(record, begin=2.0) == []

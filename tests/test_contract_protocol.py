@@ -1,14 +1,12 @@
 """A node written from the contract alone takes part in each tick, whatever the suite's nodes send each other."""
 
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
 from domain_coordinator import domain_id
 from heave_bags.mcap.reader import Bag
 
-from tests.loop_runs import HAS_RUN, environment, give, recorded_messages
+from tests.loop_runs import HAS_RUN, beside, give, recorded_messages
 
 PROGRAM = Path(__file__).with_name("protocol_controller.py")
 SECONDS = 10
@@ -16,18 +14,14 @@ SECONDS = 10
 
 def run_beside_it(folder: Path, *options: str) -> Path:
     """Run with the controller in the place of the suite's, and return the bag."""
-    with domain_id() as domain:
-        controller = subprocess.Popen([sys.executable, str(PROGRAM)], env=environment(domain))
-        try:
-            run = give(
-                domain,
-                *("run", "b2_calm_300", "--bag", str(folder), "--duration", str(SECONDS), "--no-report"),
-                *("--replace", "winch_controller=lockstep", "--replace", "winch_adviser=none", *options),
-            )
-            assert run.returncode in HAS_RUN, run.stderr
-            assert controller.wait(20.0) == 0
-        finally:
-            controller.kill()
+    with domain_id() as domain, beside(domain, str(PROGRAM)) as controller:
+        run = give(
+            domain,
+            *("run", "b2_calm_300", "--bag", str(folder), "--duration", str(SECONDS), "--no-report"),
+            *("--replace", "winch_controller=lockstep", "--replace", "winch_adviser=none", *options),
+        )
+        assert run.returncode in HAS_RUN, run.stderr
+        assert controller.wait(20.0) == 0
     return folder / "bag"
 
 

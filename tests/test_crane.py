@@ -1,9 +1,6 @@
 """A lift whose crane slews by 60 degrees while it compensates, with the pose of the crane and without it."""
 
-import subprocess
-import sys
 from pathlib import Path
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -13,7 +10,8 @@ from heave_bringup.closed_loop import ClosedLoop, LoopRecord, loop_parameters
 from heave_bringup.scenarios import load_scenario
 
 from tests.crane_encoders import LASTING, SLEW, START, TURN
-from tests.loop_runs import HAS_RUN, adapting, environment, give
+from tests.loop_runs import HAS_RUN, adapting, beside, give
+from tests.loops import heave_of, loop_of
 from tests.plc import free_port
 from tests.test_one_loop import compare
 
@@ -21,15 +19,11 @@ SLEWED = 180.0
 """Time at which the slew is over [s]: it begins at 120 s and takes 1.875 * 1.047 rad / 0.035 rad/s = 56 s."""
 
 
-def slewed_lift(*settings: str) -> LoopRecord:
-    return ClosedLoop(loop_parameters(load_scenario("crane_slew", settings=list(settings)))).run()
-
-
 def heaves(record: LoopRecord, start: float, end: float) -> tuple[float, float, float]:
     """Return standard deviations of the unit's heave, and of that without compensation, and the ratio."""
     time = record.column("time")
     within = (time >= start) & (time < end)
-    unit = float(np.std((record.column("unit") + record.column("depth_set_point"))[within]))
+    unit = float(np.std(heave_of(record)[within]))
     free = float(np.std(record.column("uncompensated")[within]))
     return unit, free, unit / free
 
@@ -41,10 +35,8 @@ RAISED = ("wave_vessel.ramp=10", "wave_vessel.crane.move_times=[40.0]", "wave_ve
 def raised_lift(*settings: str) -> tuple[LoopRecord, np.ndarray]:
     """Return the record of a lift whose boom is raised, law lqg, and payout and rate as they left the controller."""
     short = ("all.duration=75", "all.transient=30", "winch_controller.law=lqg", "cable_sim.segments=6")
-    loop = ClosedLoop(loop_parameters(load_scenario("crane_slew", settings=[*short, *RAISED, *settings])))
-    # no adviser: the loop is as it was designed, and the test is quick
-    loop.adviser = SimpleNamespace(advise=lambda observations: None)
-    loop.controller.take = lambda beliefs: True
+    scenario = load_scenario("crane_slew", settings=[*short, *RAISED, *settings])
+    loop = ClosedLoop(loop_parameters(scenario), has_adviser=False)  # as it was designed, and quick
     orders = []
     record = loop.run(lambda _, outputs: orders.append((outputs.order.payout, outputs.order.payout_rate)))
     return record, np.array(orders)
@@ -54,7 +46,7 @@ STARTED = ["CRANE_POSE_USED", "MODE_CHANGED"]
 
 
 def codes(record: LoopRecord) -> list[str]:
-    return [alarm.code for _, alarm in record.alarms]
+    return [alarm.name for _, alarm in record.alarms]
 
 
 def test_a_boom_that_is_raised_leaves_the_unit_where_it_is_and_compensation_as_it_was():
@@ -95,9 +87,11 @@ def test_a_lift_towards_the_end_of_the_range_stops_there_and_compensation_goes_o
 @pytest.mark.long
 def test_with_the_pose_a_slewed_lift_is_held_and_without_it_is_not():
     """A chord of 24.7 m times pitch and roll is missing without the pose: as much as the heave itself."""
-    with_pose, without = slewed_lift(), slewed_lift("wave_vessel.crane.pose.fitted=false")
-    assert [alarm.code for _, alarm in with_pose.alarms if alarm.code.startswith("CRANE")] == ["CRANE_POSE_USED"]
-    assert not [alarm for _, alarm in without.alarms if alarm.code.startswith("CRANE")]
+    with_pose, without = (
+        loop_of("crane_slew", {"wave_vessel.crane.pose.fitted": fitted}).run() for fitted in ("true", "false")
+    )
+    assert [alarm.name for _, alarm in with_pose.alarms if alarm.name.startswith("CRANE")] == ["CRANE_POSE_USED"]
+    assert not [alarm for _, alarm in without.alarms if alarm.name.startswith("CRANE")]
     for record in (with_pose, without):
         assert heaves(record, 60.0, 120.0)[2] < 0.03, "before the slew both hold the unit"
     for start, end in ((120.0, SLEWED), (SLEWED, 300.0)):
@@ -149,15 +143,9 @@ def test_encoders_behind_an_adapter_take_the_place_of_the_simulated_ones_while_t
     settings += ["winch_controller.modes.settling_time=5.0", "winch_controller.crane.joints=[slew, luff, knuckle]"]
     options = ["--pacing", "realtime", "--duration", "50", "--no-report", "--replace", "crane/pose=external"]
     options += [part for setting in settings for part in ("--set", setting)]
-    with domain_id() as domain:
-        program = str(Path(__file__).with_name("crane_encoders.py"))
-        encoders = subprocess.Popen([sys.executable, program, way, str(port)], env=environment(domain))
-        try:
-            with adapting(domain, str(crane)) as ended:
-                run = give(domain, "run", "crane_slew", "--bag", str(tmp_path / "run"), *options, timeout=300.0)
-        finally:
-            encoders.kill()
-            encoders.wait()
+    program = str(Path(__file__).with_name("crane_encoders.py"))
+    with domain_id() as domain, beside(domain, program, way, str(port)), adapting(domain, str(crane)) as ended:
+        run = give(domain, "run", "crane_slew", "--bag", str(tmp_path / "run"), *options, timeout=300.0)
     assert run.returncode in HAS_RUN, run.stdout + run.stderr + ended[0].err
     bag = Bag(tmp_path / "run" / "bag")
     columns = bag.columns(

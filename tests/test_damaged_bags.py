@@ -1,17 +1,24 @@
-"""A sample of the campaigns that `make validate` runs: damaged and hostile bags, and killed recorders."""
+"""A sample of the campaigns that `make validate` runs: damaged and hostile bags, hostile files, killed recorders."""
 
 import pytest
 
-from tests.campaigns import damaged_bags, killed_processes
+from tests.campaigns import damaged_bags, hostile_files, killed_processes
 
 
 @pytest.mark.slow
-def test_no_damaged_and_no_hostile_bag_gets_a_command_into_trouble_and_stated_losses_are_true(tmp_path):
+def test_no_damaged_and_no_hostile_bag_gets_a_command_into_trouble_and_stated_losses_are_true():
     results = damaged_bags.campaign(8, 2, lambda _: None)
     assert len(results) > 8 + 40
-    assert {result.bag: result.wrong for result in results if result.wrong} == {}
-    assert max(result.memory for result in results) < damaged_bags.MEMORY
+    assert [line for result in results for line in result.problems] == []
     assert sum(result.lost for result in results) > 0
+
+
+@pytest.mark.slow
+def test_scenarios_tables_and_attachments_of_anybody_are_read_or_refused_in_one_line():
+    """No traceback, bounded in memory and time, nothing written elsewhere."""
+    results = hostile_files.campaign(6, lambda _: None, first=2001)
+    assert [result.kind for result in results] == list(hostile_files.KINDS) * 2
+    assert [line for result in results for line in result.problems] == []
 
 
 @pytest.mark.slow

@@ -1,11 +1,9 @@
 """The nodes of `examples/` take the places of the suite's, and `heave check` finds them as the contract says."""
 
 import json
-import signal
 import subprocess
-import sys
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
 import numpy as np
@@ -14,38 +12,19 @@ from domain_coordinator import domain_id
 from heave_bags.mcap.reader import Bag
 from heave_bringup.errors import ExitStatus
 
-from tests.loop_runs import HAS_RUN, environment, give, recorded_messages
+from tests.loop_runs import HAS_RUN, beside, give, recorded_messages
 
 EXAMPLES = Path(__file__).parents[1] / "examples"
 PROGRAM = {"virtual_winch": "winch.py", "wave_vessel": "vessel.py", "winch_controller": "controller.py"}
 RADAR = {"radar": "radar.py"}
 
 
-def end(program: subprocess.Popen[bytes]) -> None:
-    """Wait for a program that was interrupted.
-
-    One that was interrupted before it ran may not hear it, and must not speak in the runs of others.
-    """
-    try:
-        program.wait(10.0)
-    except subprocess.TimeoutExpired:
-        program.kill()
-        program.wait()
-
-
 @contextmanager
 def running(nodes: list[str], domain: int, *arguments: str) -> Iterator[None]:
-    programs = [
-        subprocess.Popen([sys.executable, str(EXAMPLES / (PROGRAM | RADAR)[node]), *arguments], env=environment(domain))
-        for node in nodes
-    ]
-    try:
+    with ExitStack() as stack:
+        for node in nodes:
+            stack.enter_context(beside(domain, str(EXAMPLES / (PROGRAM | RADAR)[node]), *arguments))
         yield
-    finally:
-        for program in programs:
-            program.send_signal(signal.SIGINT)
-        for program in programs:
-            end(program)
 
 
 @pytest.mark.slow
@@ -108,18 +87,10 @@ def test_a_foreign_controller_takes_part_in_lockstep_and_equal_seeds_give_equal_
     bags = []
     for name in ("first", "second"):
         folder = tmp_path / name
-        options = [
-            "--replace",
-            "winch_controller=lockstep",
-            "--duration",
-            "15",
-            "--no-report",
-            "--set",
-            "wave_vessel.ramp=1.0",
-        ]
-        with domain_id() as domain:
-            foreign = [sys.executable, str(EXAMPLES / "lockstep_controller.py")]
-            program = subprocess.Popen(foreign, env=environment(domain), stderr=subprocess.PIPE, text=True)
+        options = ["--replace", "winch_controller=lockstep", "--duration", "15", "--no-report"]
+        options += ["--set", "wave_vessel.ramp=1.0"]
+        foreign = str(EXAMPLES / "lockstep_controller.py")
+        with domain_id() as domain, beside(domain, foreign, stderr=subprocess.PIPE) as program:
             run = give(domain, "run", "b2_calm_300", "--bag", str(folder), *options)
             _, error = program.communicate(timeout=30.0)
         assert run.returncode == 0, run.stderr
@@ -175,13 +146,8 @@ rclpy.spin(node)
 
 
 def test_a_correct_sensor_that_publishes_by_its_own_timer_passes_also_what_it_sent_before_the_clock_began():
-    with domain_id() as domain:
-        program = subprocess.Popen([sys.executable, "-c", ON_ITS_OWN_TIMER], env=environment(domain))
-        try:
-            check = give(domain, "check", "--replace", "wave_vessel=external", "--seconds", "3")
-        finally:
-            program.kill()
-            program.wait()
+    with domain_id() as domain, beside(domain, "-c", ON_ITS_OWN_TIMER):
+        check = give(domain, "check", "--replace", "wave_vessel=external", "--seconds", "3")
     assert check.returncode == 0, check.stdout + check.stderr
 
 

@@ -1,7 +1,6 @@
 """A plant that somebody else wrote, in each tick, in lockstep: the suite leads the ticks, and compensates its load."""
 
 import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -9,23 +8,17 @@ import pytest
 from domain_coordinator import domain_id
 from heave_bags.mcap.reader import Bag
 
-from tests.loop_runs import HAS_RUN, environment, give
+from tests.loop_runs import HAS_RUN, beside, give
 
 PLANT = Path(__file__).parents[1] / "examples" / "plant.py"
 
 
 def run_with_plant(folder: Path, *options: str) -> tuple[subprocess.CompletedProcess[str], str]:
     """Run with the example as the plant; return how the run ended and what the plant said."""
-    with domain_id() as domain:
-        plant = subprocess.Popen(
-            [sys.executable, str(PLANT)], env=environment(domain), stderr=subprocess.PIPE, text=True
-        )
-        try:
-            arguments = ("--replace", "cable_sim=lockstep", "--bag", str(folder), "--no-report", *options)
-            run = give(domain, "run", "b2_calm_300", *arguments)
-            _, said = plant.communicate(timeout=30.0)
-        finally:
-            plant.kill()
+    with domain_id() as domain, beside(domain, str(PLANT), stderr=subprocess.PIPE) as plant:
+        arguments = ("--replace", "cable_sim=lockstep", "--bag", str(folder), "--no-report", *options)
+        run = give(domain, "run", "b2_calm_300", *arguments)
+        _, said = plant.communicate(timeout=30.0)
     return run, said
 
 

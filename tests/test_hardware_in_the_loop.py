@@ -4,7 +4,6 @@ import json
 import os
 import signal
 import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -12,7 +11,7 @@ import pytest
 from domain_coordinator import domain_id
 from heave_bags.mcap.reader import Bag
 
-from tests.loop_runs import HAS_RUN, command, environment, process_of, wait_until
+from tests.loop_runs import HAS_RUN, beside, command, environment, give, process_of, wait_until
 
 REAL_WINCH = """
 import math
@@ -55,20 +54,8 @@ def test_a_real_winch_takes_the_place_of_the_virtual_one(tmp_path):
     folder = tmp_path / "run"
     options = ["--pacing", "realtime", "--duration", "30", "--replace", "virtual_winch=external", "--no-report"]
     options += ["--set", "wave_vessel.ramp=5.0"]
-    with domain_id() as domain:
-        drive = subprocess.Popen([sys.executable, "-c", REAL_WINCH], env=environment(domain))
-        try:
-            run = subprocess.run(
-                command("run", "b2_calm_300", "--bag", str(folder), *options),
-                env=environment(domain),
-                capture_output=True,
-                text=True,
-                timeout=120.0,
-                check=False,
-            )
-        finally:
-            drive.send_signal(signal.SIGINT)
-            drive.wait(10.0)
+    with domain_id() as domain, beside(domain, "-c", REAL_WINCH):
+        run = give(domain, "run", "b2_calm_300", "--bag", str(folder), *options)
     assert run.returncode in HAS_RUN, run.stderr
     bag = Bag(folder / "bag")
     winch = bag.columns({"/winch/state": ["encoder_payout", "payout"]})["/winch/state"]
@@ -85,21 +72,9 @@ def test_a_winch_with_a_loop_and_a_clock_of_its_own_compensates(tmp_path):
     options = ["--pacing", "realtime", "--duration", "90", "--replace", "virtual_winch=external:own", "--no-report"]
     options += ["--set", "all.transient=40.0", "--set", "wave_vessel.ramp=5.0", "--json", str(tmp_path / "kpi.json")]
     options += ["--set", "winch_controller.modes.settling_time=5.0", "--bag", str(tmp_path / "run")]
-    with domain_id() as domain:
-        program = Path(__file__).with_name("own_clock_winch.py")
-        drive = subprocess.Popen([sys.executable, str(program), "b2_calm_300"], env=environment(domain))
-        try:
-            run = subprocess.run(
-                command("run", "b2_calm_300", *options),
-                env=environment(domain),
-                capture_output=True,
-                text=True,
-                timeout=300.0,
-                check=False,
-            )
-        finally:
-            drive.terminate()
-            drive.wait(10.0)
+    program = Path(__file__).with_name("own_clock_winch.py")
+    with domain_id() as domain, beside(domain, str(program), "b2_calm_300"):
+        run = give(domain, "run", "b2_calm_300", *options, timeout=300.0)
     assert run.returncode in HAS_RUN, run.stderr
     figures = json.loads((tmp_path / "kpi.json").read_text())
     assert figures["unit_efficiency"] > 0.8

@@ -22,7 +22,12 @@ LAUNCH = shutil.which("ros2") if find_spec("launch_ros") and find_spec("ros2laun
 
 
 def needs_launch(test):
-    """Mark a `test` that starts the whole loop by `ros2 launch`."""
+    """Mark a `test` that starts the whole loop by `ros2 launch`.
+
+    Of launch there is no wheel: it comes with an installed ROS 2 alone, and where there is none the test is skipped. It
+    takes a minute, so that it is one of the long tests. What does not need launch itself, the arguments and the
+    namespace, is tested above in every run.
+    """
     reason = "ros2 launch is not installed: docs/guide/install.md says how"
     return pytest.mark.slow(pytest.mark.long(pytest.mark.skipif(LAUNCH is None, reason=reason)(test)))
 

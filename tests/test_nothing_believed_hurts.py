@@ -5,10 +5,11 @@ from types import MappingProxyType
 
 import numpy as np
 import pytest
-from heave_bringup.closed_loop import COLUMNS, ClosedLoop, loop_parameters
-from heave_bringup.scenarios import load_scenario
+from heave_bringup.closed_loop import COLUMNS
 from winch_controller_node.beliefs.beliefs import Belief, Beliefs, EncoderScale, parameters_under
 from winch_controller_node.design.design import design_controller
+
+from tests.loops import fault, loop_of
 
 TICK = 0.05
 ROOM = 0.3
@@ -20,9 +21,8 @@ STOPS = ("fade_out", "stopping", "stopped", "emergency_stop", "standby")
 class Run:
     """A loop of a shipped scenario, up to a time at which it compensates; what happens after it is judged."""
 
-    def __init__(self, scenario, seed, begin, *settings):
-        scenario = load_scenario(scenario, settings=[f"all.seed={seed}", *settings])
-        self.loop = ClosedLoop(loop_parameters(scenario))
+    def __init__(self, scenario, seed, begin, settings=None):
+        self.loop = loop_of(scenario, settings, seed=seed)
         self.begin = begin
         self.rows, self.modes, self.alarms, self.orders = [], [], [], []
         self.go(begin)
@@ -57,7 +57,7 @@ class Run:
         return np.max(np.abs(heave - np.mean(heave))) + ROOM
 
     def codes(self):
-        return [alarm.code for time, alarm in self.alarms if time > self.begin]
+        return [alarm.name for time, alarm in self.alarms if time > self.begin]
 
     def inject(self, **held):
         """Have the core take what an adviser says, in each second: quantity and value."""
@@ -77,11 +77,6 @@ class Run:
         controller.take(beliefs)
 
 
-def frozen(begin):
-    faults = {"kind": "freeze", "start": begin, "duration": 0.0, "magnitude": 0.0}
-    return [f"virtual_winch.encoder.faults.{name}=[{value}]" for name, value in faults.items()]
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("scenario", "seed"),
@@ -93,10 +88,10 @@ def frozen(begin):
 )
 def test_an_encoder_that_freezes_is_lost_and_not_identified(scenario, seed):
     """It was found to read 3.7e-16 times the payout, and 50 m of wire went out at 2 m/s, while it came to rest."""
-    run = Run(scenario, seed, 120.0, *frozen(120.0)).go(160.0)
+    run = Run(scenario, seed, 120.0, fault("encoder", "freeze", 120.0)).go(160.0)
     assert run.travel < run.allowed
-    assert {"DRUM_OR_ENCODER_STILL", "COMPENSATION_LOST"} <= set(run.codes())
-    assert "ENCODER_SCALE_ERROR" not in run.codes()
+    assert {"DRUM_OR_ENCODER: still", "COMPENSATION_LOST"} <= set(run.codes())
+    assert "IDENTIFIED, ENCODER: scale" not in run.codes()
     assert run.modes[-1] == "stopped"
 
 
@@ -118,8 +113,8 @@ def test_an_adviser_that_says_what_cannot_be_is_named_and_the_nominal_stays(lie)
         run.inject(values=LIES[lie])
         run.go(until)
     assert run.travel < run.allowed
-    assert run.codes().count("ADVISER_CONTRADICTED") == 1
-    (alarm,) = [alarm for _, alarm in run.alarms if alarm.code == "ADVISER_CONTRADICTED"]
+    assert run.codes().count("ADVISER_WRONG: set aside") == 1
+    (alarm,) = [alarm for _, alarm in run.alarms if alarm.name == "ADVISER_WRONG: set aside"]
     assert next(iter(LIES[lie])) in alarm.values["fault"]
     assert not run.loop.controller.beliefs.values
     assert run.modes[-1] == "compensating"
@@ -145,34 +140,32 @@ def test_an_adviser_whose_values_could_be_and_that_the_readings_contradict_is_na
         run.inject(values=INSIDE[lie])
         run.go(until)
     assert run.travel < run.allowed
-    alarms = [alarm for _, alarm in run.alarms if alarm.code == "ADVISER_CONTRADICTED"]
+    alarms = [alarm for _, alarm in run.alarms if alarm.name == "ADVISER_WRONG: set aside"]
     assert len(alarms) == 1
     assert next(iter(INSIDE[lie])) in alarms[0].values["fault"]
     assert not run.loop.controller.beliefs.values
 
 
 OF_DRUM = {
-    "virtual_winch.encoder freeze 0": ("DRUM_OR_ENCODER_STILL", "ENCODER_AT_FAULT"),
-    "virtual_winch.encoder scale -1": ("DRUM_OR_ENCODER_REVERSED", "ENCODER_AT_FAULT"),
-    "virtual_winch reverse 0": ("DRUM_OR_ENCODER_REVERSED", "DRIVE_AT_FAULT"),
+    "encoder freeze 0": ("DRUM_OR_ENCODER: still", "SENSOR_LOST, ENCODER: at fault"),
+    "encoder scale -1": ("DRUM_OR_ENCODER: reversed", "SENSOR_LOST, ENCODER: at fault"),
+    "winch reverse 0": ("DRUM_OR_ENCODER: reversed", "DRIVE_AT_FAULT"),
 }
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("fault", OF_DRUM)
-def test_a_drum_that_does_not_follow_is_drive_or_encoder_until_the_depth_sensor_separates_them(fault):
+@pytest.mark.parametrize("what", OF_DRUM)
+def test_a_drum_that_does_not_follow_is_drive_or_encoder_until_the_depth_sensor_separates_them(what):
     """Without the supervision of the drive, and without the envelope, which would stop the drum first.
 
     Every fault of the drive blamed the encoder.
     """
-    device, kind, magnitude = fault.split()
-    values = {"kind": kind, "start": 80.0, "duration": 0.0, "magnitude": magnitude}
-    settings = [f"{device}.faults.{name}=[{value}]" for name, value in values.items()]
-    settings += ["virtual_winch.supervision_time=0.0", "winch_controller.envelope.active=false"]
-    run = Run("b2_calm_300", 1, 80.0, *settings).go(90.0)
-    either, who = OF_DRUM[fault]
+    part, kind, size = what.split()
+    alone = {"virtual_winch.supervision_time": 0.0, "winch_controller.envelope.active": "false"}
+    run = Run("b2_calm_300", 1, 80.0, {**fault(part, kind, 80.0, size=float(size)), **alone}).go(90.0)
+    either, who = OF_DRUM[what]
     assert [code for code in run.codes() if code.startswith(("DRUM_OR", "ENCODER_A", "DRIVE_A"))] == [either, who]
-    assert not {"ENCODER_EXCLUDED", "ENCODER_SCALE_ERROR"} & set(run.codes())
+    assert not {"SENSOR_LOST, ENCODER: excluded", "IDENTIFIED, ENCODER: scale"} & set(run.codes())
 
 
 @pytest.mark.slow
@@ -181,13 +174,13 @@ def test_compensation_does_not_go_on_with_a_sensor_that_comes_and_goes(device, o
     """It was resumed three times in 70 s, and twenty times in three minutes."""
     count = 14
     starts = [60.0 + place * (on + off) for place in range(count)]
-    settings = [
-        f"{device}.faults.kind=[{','.join(['freeze'] * count)}]",
-        f"{device}.faults.start={starts}",
-        f"{device}.faults.duration={[on] * count}",
-        f"{device}.faults.magnitude={[0.0] * count}",
-    ]
-    run = Run("b2_calm_300", 1, 60.0, *settings).go(60.0 + min(count * (on + off), 40.0))
+    settings = {
+        f"{device}.faults.kind": f"[{','.join(['freeze'] * count)}]",
+        f"{device}.faults.start": starts,
+        f"{device}.faults.duration": [on] * count,
+        f"{device}.faults.magnitude": [0.0] * count,
+    }
+    run = Run("b2_calm_300", 1, 60.0, settings).go(60.0 + min(count * (on + off), 40.0))
     changes = [mode for mode, before in zip(run.modes, ["", *run.modes[:-1]], strict=True) if mode != before]
     assert changes.count("compensating") <= 3
     assert run.modes[-1] in STOPS

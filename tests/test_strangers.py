@@ -1,9 +1,5 @@
 """A second controller in a running system: not obeyed, named everywhere, and the run does not count as a success."""
 
-import signal
-import subprocess
-import sys
-
 import numpy as np
 import pytest
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
@@ -11,7 +7,7 @@ from domain_coordinator import domain_id
 from heave_bags.mcap.reader import Bag
 from rclpy.serialization import deserialize_message
 
-from tests.loop_runs import command, environment
+from tests.loop_runs import beside, give
 
 ROGUE = """
 import time
@@ -42,20 +38,8 @@ except KeyboardInterrupt:
 def test_a_second_controller_moves_nothing_and_fails_the_run(tmp_path, pacing):
     folder = tmp_path / "run"
     options = ["--pacing", pacing, "--duration", {"realtime": "15", "lockstep": "100"}[pacing]]
-    with domain_id() as domain:
-        rogue = subprocess.Popen([sys.executable, "-c", ROGUE], env=environment(domain))
-        try:
-            run = subprocess.run(
-                command("run", "b2_calm_300", "--bag", str(folder), "--no-report", *options),
-                env=environment(domain),
-                capture_output=True,
-                text=True,
-                timeout=180.0,
-                check=False,
-            )
-        finally:
-            rogue.send_signal(signal.SIGINT)
-            rogue.wait(10.0)
+    with domain_id() as domain, beside(domain, "-c", ROGUE) as rogue:
+        run = give(domain, "run", "b2_calm_300", "--bag", str(folder), "--no-report", *options, timeout=180.0)
     assert run.returncode == 1, run.stdout + run.stderr
     named = f"/rogue_controller (process {rogue.pid} on this machine) publishes on /winch/command"
     assert f"cable_sim: strangers: UNKNOWN_PUBLISHER (high): {named}" in run.stderr, (

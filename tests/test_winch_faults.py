@@ -112,7 +112,7 @@ def test_a_brake_that_stays_shut_is_named_without_the_drives_supervision_and_one
     run.inject("brake_shut", duration=lasts)
     # a brake may take 3 s to open, and about a turn of the wave 0.5 s prove nothing
     run.go(BEGIN + 4.5)
-    assert any("DRUM_OR_ENCODER_STILL" in told for _, told in run.alarms) is named
+    assert any("DRUM_OR_ENCODER: still" in told for _, told in run.alarms) is named
     run.go(BEGIN + 9.0)
     assert [told.startswith("DRIVE_AT_FAULT") for _, told in run.alarms].count(True) == int(named), "once"
 
@@ -149,11 +149,3 @@ def test_pressure_that_falls_and_comes_back_costs_compensation_for_a_while_and_n
     run.go(BEGIN + lasting + 160.0)
     assert run.modes[-1] == "compensating"
     assert run.ratio(BEGIN + lasting + 120.0) < 0.3
-
-
-@pytest.mark.long
-def test_an_encoder_that_is_counted_twice_is_named_within_a_minute():
-    run = Run()
-    run.inject("scale", 2.0, device="encoder")
-    run.go(BEGIN + 60.0)
-    assert any(told.startswith("ENCODER_SCALE") for _, told in run.alarms)

@@ -11,18 +11,12 @@ from __future__ import annotations
 
 import argparse
 import json
-import os
 import random
 import re
-import resource
 import shutil
-import subprocess
 import sys
 import tempfile
-import time
-from collections import Counter
 from collections.abc import Callable, Sequence
-from dataclasses import asdict, dataclass, field
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "bags" / "test"))
@@ -34,33 +28,17 @@ from heave_bags.mcap.bag_writer import BagPolicy
 from heave_bags.mcap.reader import Bag
 from heave_bags.mcap.writer import ChunkPolicy
 from heave_bringup.progress import ProgressLine
-from heave_node.ros.transport import parents_death
 from hostile_bags import write_hostile_bags
 from made_up_run import MadeUpRun, write_run
 from memory import peak_memory
 
-from tests.campaigns.commit import commit_line
-from tests.campaigns.in_process import Watch, heave, judge
+from tests.campaigns.in_process import Result, Watch, commit_line, heave, judge, run_batches, table, write_results
 
-MEMORY = 500 << 20
-"""Bytes that a process may take on any bag."""
 LONGEST = 120
 """Wall time after which a command is said to hang [s]."""
 BATCH = 25
 """Bags for one process."""
-COMMANDS = ("reader", "kpi", "report", "import", "repair", "replay")
 _COUNTED = re.compile(r"with (\d+|an unknown number of) messages lost")
-
-
-@dataclass
-class Result:
-    """What became of one bag: what was wrong, by command; "" is never in it."""
-
-    bag: str
-    kind: str
-    lost: int = 0
-    wrong: dict[str, str] = field(default_factory=dict)
-    memory: int = 0
 
 
 def make_bags(folder: Path) -> list[Path]:
@@ -157,73 +135,17 @@ def _compare(result: Result, command: str, said: str, bag: Path) -> None:
         result.wrong[command] = f"states {stated}, the reader {of_reader}"
 
 
-def _in_child(task: Sequence[str], results: Path) -> subprocess.Popen[bytes]:
-    command = parents_death.command("tests.campaigns.damaged_bags", *task, "--results", str(results))
-    return subprocess.Popen(command, stderr=subprocess.PIPE, env={**os.environ, **parents_death.environment()})
-
-
-def campaign(count: int, processes: int, progress: Callable[[str], None]) -> list[Result]:
+def campaign(count: int, processes: int, progress: Callable[[list[Result]], None]) -> list[Result]:
     """Run the hostile bags and `count` damaged ones; return what became of them."""
     with tempfile.TemporaryDirectory() as folder:
         base = Path(folder)
-        sound = make_bags(base / "sound")
+        sound = [str(path) for path in make_bags(base / "sound")]
         write_hostile_bags(base / "hostile")
         tasks = [["--hostile", str(base / "hostile")]]
         for first in range(0, count, BATCH):
             numbers = f"{first}:{min(first + BATCH, count)}"
-            tasks.append(["--batch", numbers, str(base / f"batch-{first}"), *map(str, sound)])
-        results: list[Result] = []
-        running: list[tuple[subprocess.Popen[bytes], Path]] = []
-        while tasks or running:
-            while tasks and len(running) < processes:
-                path = base / f"results-{len(tasks)}.json"
-                running.append((_in_child(tasks.pop(0), path), path))
-            running = [(child, path) for child, path in running if not _collect(child, path, results)]
-            time.sleep(0.2)
-            progress(f"{len(results)} bags")
-    return results
-
-
-def _collect(child: subprocess.Popen[bytes], path: Path, results: list[Result]) -> bool:
-    """Take the results of a child that has ended; tell whether it has."""
-    if child.poll() is None:
-        return False
-    assert child.stderr is not None
-    said = child.stderr.read().decode(errors="replace")
-    if child.returncode != 0 or not path.exists():
-        results.append(Result("a process", "process", wrong={"all": f"ended with {child.returncode}: {said[-2000:]}"}))
-        return True
-    results += [Result(**entry) for entry in json.loads(path.read_text())]
-    return True
-
-
-def table(results: Sequence[Result]) -> str:
-    """Return the results as a table."""
-    lines = [f"{'damage':12}{'bags':>6}{'with loss':>11}{'messages lost':>15}{'wrong':>7}"]
-    for kind in dict.fromkeys(result.kind for result in results):
-        part = [result for result in results if result.kind == kind]
-        wrong = sum(1 for result in part if result.wrong)
-        hit = sum(1 for result in part if result.lost)
-        lost = sum(result.lost for result in part)
-        lines.append(f"{kind:12}{len(part):6}{hit:11}{lost:15}{wrong:7}")
-    peak = max((result.memory for result in results), default=0)
-    lines.append(f"commands: {', '.join(COMMANDS)}; most memory of a process: {peak / (1 << 20):.0f} MB")
-    for result in results:
-        lines += [f"{result.kind}: {result.bag}: {command}: {text}" for command, text in result.wrong.items()]
-    tally = Counter(command for result in results for command in result.wrong)
-    return "\n".join([*lines, f"wrong: {dict(tally) or 'nothing'}"])
-
-
-def _child(options: argparse.Namespace) -> None:
-    resource.setrlimit(resource.RLIMIT_DATA, (2 * MEMORY, 2 * MEMORY))  # what is asked for; what is used is measured
-    os.environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
-    if options.hostile:
-        results = run_hostile(options.hostile)
-    else:
-        numbers, work, *sound = options.batch
-        first, after = (int(part) for part in numbers.split(":"))
-        results = run_batch([Path(path) for path in sound], range(first, after), Path(work))
-    options.results.write_text(json.dumps([asdict(result) for result in results]))
+            tasks.append(["--batch", numbers, str(base / f"batch-{first}"), *sound])
+        return run_batches("tests.campaigns.damaged_bags", tasks, processes, progress)
 
 
 def main() -> int:
@@ -235,15 +157,17 @@ def main() -> int:
     parser.add_argument("--hostile", type=Path, help=argparse.SUPPRESS)
     parser.add_argument("--results", type=Path, help=argparse.SUPPRESS)
     options = parser.parse_args()
-    if options.results:
-        _child(options)
-        return 0
-    progress = ProgressLine()
-    results = campaign(options.count, options.processes, progress.show)
-    progress.close()
+    if options.hostile:
+        return write_results(options.results, lambda: run_hostile(options.hostile))
+    if options.batch:
+        numbers, work, *sound = options.batch
+        first, after = (int(part) for part in numbers.split(":"))
+        paths = [Path(path) for path in sound]
+        return write_results(options.results, lambda: run_batch(paths, range(first, after), Path(work)))
+    with ProgressLine() as progress:
+        results = campaign(options.count, options.processes, lambda found: progress.show(f"{len(found)} bags"))
     sys.stdout.write(f"{commit_line()}\n{table(results)}\n")
-    is_small = max(result.memory for result in results) < MEMORY
-    return 0 if is_small and not any(result.wrong for result in results) else 1
+    return int(any(result.problems for result in results))
 
 
 if __name__ == "__main__":

@@ -11,34 +11,25 @@ status 1 where something is wrong.
 from __future__ import annotations
 
 import argparse
-import json
 import multiprocessing
-import os
 import random
-import resource
 import shutil
-import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Callable, Iterable, Sequence
-from dataclasses import asdict, dataclass, field
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "bags" / "test"))
 
 from heave_bringup.progress import ProgressLine
-from heave_node.ros.transport import parents_death
 from made_up_run import MadeUpRun, write_run
 from memory import peak_memory
 
-from tests.campaigns.commit import commit_line
 from tests.campaigns.hostile_texts import changed_scenario, changed_table
-from tests.campaigns.in_process import Watch, heave, judge
+from tests.campaigns.in_process import Result, Watch, commit_line, heave, judge, run_batches, table, write_results
 
-MEMORY = 500 << 20
-"""Bytes that a process may take on any file."""
 LONGEST = 5.0
 """Time of a processor that a command may take on a file [s]."""
 HANGING = 900
@@ -48,18 +39,6 @@ BATCH = 50
 ELSEWHERE = (Path("/tmp/heave-hostile"), Path("/tmp/heave-hostile.csv"), Path("/tmp/hostile"))
 """Files that the changed tables would write, if they could."""
 KINDS = ("scenario", "table", "attachment")
-
-
-@dataclass
-class Result:
-    """What became of one file: what was wrong, by command; the longest command [s of a processor], and the memory."""
-
-    number: int
-    kind: str
-    wrong: dict[str, str] = field(default_factory=dict)
-    refused: bool = False
-    longest: float = 0.0
-    memory: int = 0
 
 
 def commands_of(kind: str, file: Path, out: Path) -> dict[str, list[str]]:
@@ -93,9 +72,9 @@ def try_file(number: int, work: Path) -> Result:
     folder = work / f"{number}"
     (folder / "out").mkdir(parents=True)
     file = _in_a_fork(lambda: make_file(kind, random.Random(number), folder))
-    result = _in_a_fork(lambda: _try(Result(number, kind), file, folder))
+    result = _in_a_fork(lambda: _try(Result(str(number), kind), file, folder))
     shutil.rmtree(folder)
-    return result if isinstance(result, Result) else Result(number, kind, {"all": str(result)})
+    return result if isinstance(result, Result) else Result(str(number), kind, {"all": str(result)})
 
 
 def _try(result: Result, file: Path, folder: Path) -> Result:
@@ -110,6 +89,8 @@ def _try(result: Result, file: Path, folder: Path) -> Result:
             if problem:
                 result.wrong[command] = problem
         result.longest = max(result.longest, time.process_time() - begun)
+        if result.longest > LONGEST:
+            result.wrong["time"] = f"{result.longest:.1f} s of a processor"
     strange = _listing(folder.parent, out) - before - {str(file.with_name(f"{file.name}.baseline.npz"))}
     strange |= {str(path) for path in ELSEWHERE if path.exists()}
     if strange:
@@ -160,60 +141,10 @@ def run_batch(numbers: range, work: Path) -> list[Result]:
 
 
 def campaign(count: int, progress: Callable[[list[Result]], None], first: int = 0) -> list[Result]:
-    """Try `count` files, beginning with the number `first`; each batch in a process of its own.
-
-    After each batch `progress` is given the results so far.
-    """
-    results: list[Result] = []
-    for begin in range(first, first + count, BATCH):
-        with tempfile.TemporaryDirectory() as folder:
-            numbers = f"{begin}:{min(begin + BATCH, first + count)}"
-            path = Path(folder) / "results.json"
-            command = parents_death.command("tests.campaigns.hostile_files", "--batch", numbers, "--results", str(path))
-            environment, root = {**os.environ, **parents_death.environment()}, Path(__file__).parents[2]
-            done = subprocess.run(command, stderr=subprocess.PIPE, cwd=root, env=environment, check=False)
-            if path.exists():
-                results += [Result(**entry) for entry in json.loads(path.read_text())]
-            else:
-                said = done.stderr.decode(errors="replace")[-2000:]
-                results.append(Result(begin, "process", {"all": f"ended with {done.returncode}: {said}"}))
-        progress(results)
-    return results
-
-
-def problems(result: Result) -> dict[str, str]:
-    """Return what was wrong with a file, time and memory among it, by command."""
-    found = dict(result.wrong)
-    if result.longest > LONGEST:
-        found["time"] = f"{result.longest:.1f} s of a processor"
-    if result.memory > MEMORY:
-        found["memory"] = f"{result.memory / 2**20:.0f} MB"
-    return found
-
-
-def table(results: Sequence[Result]) -> str:
-    """Return the results as a table."""
-    lines = [f"{'file':12}{'tried':>7}{'refused':>9}{'longest s':>11}{'most MB':>9}{'wrong':>7}"]
-    for kind in dict.fromkeys(result.kind for result in results):
-        part = [result for result in results if result.kind == kind]
-        refused, wrong = sum(result.refused for result in part), sum(bool(problems(result)) for result in part)
-        longest, memory = max(result.longest for result in part), max(result.memory for result in part) / 2**20
-        lines.append(f"{kind:12}{len(part):7}{refused:9}{longest:11.1f}{memory:9.0f}{wrong:7}")
-    return "\n".join([*lines, *wrong_ones(results)])
-
-
-def wrong_ones(results: Iterable[Result]) -> list[str]:
-    """Return a line for each thing that is wrong."""
-    return [f"{one.kind} {one.number}: {where}: {text}" for one in results for where, text in problems(one).items()]
-
-
-def _child(options: argparse.Namespace) -> None:
-    resource.setrlimit(resource.RLIMIT_DATA, (2 * MEMORY, 2 * MEMORY))  # what is asked for; what is used is measured
-    os.environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
-    first, after = (int(part) for part in options.batch.split(":"))
-    work = options.results.parent / "work"
-    work.mkdir()
-    options.results.write_text(json.dumps([asdict(result) for result in run_batch(range(first, after), work)]))
+    """Try `count` files, beginning with the number `first`; each batch in a process of its own."""
+    begins = range(first, first + count, BATCH)
+    tasks = [["--batch", f"{begin}:{min(begin + BATCH, first + count)}"] for begin in begins]
+    return run_batches("tests.campaigns.hostile_files", tasks, 1, progress)
 
 
 def main() -> int:
@@ -224,22 +155,16 @@ def main() -> int:
     parser.add_argument("--batch", help=argparse.SUPPRESS)
     parser.add_argument("--results", type=Path, help=argparse.SUPPRESS)
     options = parser.parse_args()
-    if options.results:
-        _child(options)
-        return 0
-    progress, told = ProgressLine(), set[str]()
-
-    def tell(results: list[Result]) -> None:
-        for line in wrong_ones(results):
-            if line not in told:
-                progress.tell(line)
-        told.update(wrong_ones(results))
-        progress.show(f"{len(results)} of {options.count} files")
-
-    results = campaign(options.count, tell, options.first)
-    progress.close()
+    if options.batch:
+        numbers = range(*(int(part) for part in options.batch.split(":")))
+        with tempfile.TemporaryDirectory() as work:
+            return write_results(options.results, lambda: run_batch(numbers, Path(work)))
+    with ProgressLine() as progress:
+        results = campaign(
+            options.count, lambda found: progress.show(f"{len(found)} of {options.count} files"), options.first
+        )
     sys.stdout.write(f"{commit_line()}\n{table(results)}\n")
-    return 1 if any(problems(result) for result in results) else 0
+    return int(any(result.problems for result in results))
 
 
 if __name__ == "__main__":

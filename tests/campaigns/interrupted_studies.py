@@ -14,7 +14,6 @@ import argparse
 import os
 import random
 import signal
-import statistics
 import subprocess
 import sys
 import tempfile
@@ -24,13 +23,14 @@ from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
+import pandas
 import psutil
 from domain_coordinator import domain_id
 from heave_bags.mcap.reader import Bag
 from heave_bringup.errors import ExitStatus
 from heave_bringup.progress import ProgressLine
 
-from tests.campaigns.commit import commit_line
+from tests.campaigns.in_process import commit_line
 from tests.loop_runs import HAS_RUN
 
 LONGEST = 5.0
@@ -161,15 +161,11 @@ def _lines(folder: Path) -> int:
 
 
 def table(found: Sequence[Interruption]) -> str:
-    """Return what became of the commands as a table."""
-    lines = [f"{'command':14}{'times':>6}{'median s':>10}{'longest s':>11}{'most kept':>11}{'wrong':>7}"]
-    for command in COMMANDS:
-        part = [one for one in found if one.command == command and not one.had_ended]
-        if part:
-            longest, kept = max(one.took for one in part), max(one.kept for one in part)
-            median, wrong = statistics.median(one.took for one in part), sum(bool(one.wrong) for one in part)
-            lines.append(f"{command:14}{len(part):6}{median:10.1f}{longest:11.1f}{kept:11}{wrong:7}")
-    return "\n".join([*lines, *(str(one) for one in found if one.wrong)])
+    """Return what became of the commands as a table; those that had come to their own end before do not count."""
+    ends = pandas.DataFrame(found).query("not had_ended").assign(is_wrong=lambda one: one["wrong"] != "")
+    figures = {"took": ["count", "median", "max"], "kept": "max", "is_wrong": "sum"}
+    lines = [str(one) for one in found if one.wrong]
+    return "\n".join([ends.groupby("command").agg(figures).to_string(), *lines])
 
 
 def main() -> int:

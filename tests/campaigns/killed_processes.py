@@ -22,6 +22,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+import pandas
 import rclpy
 from domain_coordinator import domain_id
 from heave_bags.mcap.reader import Bag
@@ -34,7 +35,7 @@ from heave_node.ros.transport.qos import qos_of
 from mcap.reader import make_reader
 from rosbags.highlevel import AnyReader
 
-from tests.campaigns.commit import commit_line
+from tests.campaigns.in_process import commit_line
 from tests.loop_runs import command, environment, process_of
 
 NODES = ("recorder", "cable_sim", "wave_vessel", "virtual_winch", "winch_controller")
@@ -185,17 +186,11 @@ def _read_by_others(folder: Path, files: Sequence[Path], wrong: list[str]) -> tu
 
 def table(kills: Sequence[Kill]) -> str:
     """Return what became of the runs as a table."""
-    lines = [f"{'killed':18}{'pacing':10}{'runs':>5}{'ticks answered':>16}{'least held beyond':>19}{'wrong':>7}"]
-    for node in NODES:
-        for pacing in PACINGS:
-            part = [kill for kill in kills if (kill.node, kill.pacing) == (node, pacing)]
-            if part:
-                answered = f"{min(kill.answered for kill in part)}-{max(kill.answered for kill in part)}"
-                beyond = min(kill.held - kill.answered for kill in part)
-                wrong = sum(1 for kill in part if kill.wrong)
-                lines.append(f"{node:18}{pacing:10}{len(part):5}{answered:>16}{beyond:19}{wrong:7}")
-    lines += [f"{kill.node}, {kill.pacing}: {kill.wrong}" for kill in kills if kill.wrong]
-    return "\n".join([*lines, f"runs with something wrong: {sum(1 for kill in kills if kill.wrong)} of {len(kills)}"])
+    runs = pandas.DataFrame(kills)
+    runs = runs.assign(beyond=runs["held"] - runs["answered"], is_wrong=runs["wrong"] != "")
+    figures = {"answered": ["count", "min", "max"], "beyond": "min", "is_wrong": "sum"}
+    lines = [f"{kill.node}, {kill.pacing}: {kill.wrong}" for kill in kills if kill.wrong]
+    return "\n".join([runs.groupby(["node", "pacing"]).agg(figures).to_string(), *lines])
 
 
 def main() -> int:

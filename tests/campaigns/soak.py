@@ -33,7 +33,7 @@ from heave_bringup.run.launcher import TOGETHER
 from heave_node.ros.transport import parents_death
 from heave_node.ros.transport.shared_memory import SHARED_MEMORY
 
-from tests.campaigns.commit import commit_line
+from tests.campaigns.in_process import commit_line
 from tests.loop_runs import HAS_RUN, environment
 
 HOURS = {"composed": 15.0, "processes": 1.0}

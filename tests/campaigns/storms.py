@@ -18,6 +18,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+import pandas
 from cable_sim_node.errors import PlantError
 from cable_sim_node.line.dynamics import CableDynamics
 from cable_sim_node.parameters import CableParameters, CableSimParameters, SeabedParameters, UnitParameters
@@ -25,7 +26,7 @@ from heave_bringup.progress import ProgressLine
 from heave_node.numerics.arrays import Array
 from heave_node.numerics.kinematics import PointMotion
 
-from tests.campaigns.commit import commit_line
+from tests.campaigns.in_process import commit_line
 
 TICK = 0.05
 LONGEST_TICK = 0.025
@@ -184,28 +185,18 @@ def main(arguments: Sequence[str] | None = None) -> int:
     options = parser.parse_args(arguments)
     for number in (0, 1, 2, 3):  # compiles
         run(draw(number))
-    outcomes: dict[int, Outcome] = {}
+    numbers, found = range(options.first, options.first + options.count), []
     with ProgressLine() as progress:
-        for number in range(options.first, options.first + options.count):
-            outcomes[number] = run(draw(number))
-            progress.show(f"storm {number}", len(outcomes) / options.count)
-    ended = [f"storm {number} ended: {outcome.error}" for number, outcome in outcomes.items() if outcome.error]
-    print(commit_line(), *ended, *summary(outcomes), sep="\n")  # noqa: T201
-    return int(bool(ended) or max(outcome.longest_tick for outcome in outcomes.values()) > LONGEST_TICK)
-
-
-def summary(outcomes: dict[int, Outcome]) -> list[str]:
-    """Return what the campaign found, in lines."""
-    slack = sum(outcome.slack_ticks > 0 for outcome in outcomes.values())
-    ticks = sorted(((outcome.longest_tick, number) for number, outcome in outcomes.items()), reverse=True)
-    speeds = sorted(((outcome.fastest_node, number) for number, outcome in outcomes.items()), reverse=True)
-    costs = sorted(outcome.cost for outcome in outcomes.values())
-    return [
-        f"{len(outcomes)} storms, {slack} with slack cable",
-        "longest ticks [ms]: " + ", ".join(f"{1e3 * used:.1f} (storm {number})" for used, number in ticks[:5]),
-        "fastest nodes [m/s]: " + ", ".join(f"{speed:.1f} (storm {number})" for speed, number in speeds[:5]),
-        f"processor per simulated second [ms]: median {1e3 * costs[len(costs) // 2]:.1f}, most {1e3 * costs[-1]:.1f}",
-    ]
+        for number in numbers:
+            found.append(run(draw(number)))
+            progress.show(f"storm {number}", len(found) / options.count)
+    outcomes = pandas.DataFrame(found, index=pandas.Index(numbers, name="storm"))
+    ended = outcomes[outcomes["error"] != ""]
+    heads = ["longest_tick", "fastest_node", "cost"]
+    slack = f"{len(outcomes)} storms, {(outcomes['slack_ticks'] > 0).sum()} with slack cable, {len(ended)} ended early"
+    tables = (table.to_string() for table in (ended, outcomes.nlargest(5, "longest_tick"), outcomes[heads].describe()))
+    print(commit_line(), slack, *tables, sep="\n")  # noqa: T201
+    return int(bool(len(ended)) or outcomes["longest_tick"].max() > LONGEST_TICK)
 
 
 if __name__ == "__main__":

@@ -122,7 +122,7 @@ def nondimensional_tension(line, amplitude):
     return omegas, values, np.array([least > 0.0 for _, _, least in runs])
 
 
-def test_examples_three_and_four_nondimensional_tension(gallery):
+def test_examples_three_and_four_nondimensional_tension():
     cases = {
         "in air, 25.4 mm": (IN_AIR, 0.0254),
         "in water, 25.4 mm": (IN_WATER, 0.0254),
@@ -130,14 +130,6 @@ def test_examples_three_and_four_nondimensional_tension(gallery):
     }
     found = {name: nondimensional_tension(*case) for name, case in cases.items()}
 
-    def draw(figure):
-        axes = figure.subplots()
-        for name, (_, values, _) in found.items():
-            axes.semilogy(RATIOS, values, "o-", label=name)
-        axes.set(xlabel="frequency over resonance", ylabel="(Tmax - Tstatic)/(K x0)")
-        axes.legend()
-
-    gallery("axial_examples_three_four", "Nondimensional tension against frequency (thesis figs 3.5 to 3.7).", draw)
     for name, (line, amplitude) in cases.items():
         omegas, values, taut = found[name]
         linear = heave_transfer_function(line, NYLON_LENGTH, omegas, amplitude=amplitude if line is IN_WATER else 0.0)
@@ -197,19 +189,8 @@ def deployments():
     return {(speed, omega): deploy(speed, omega) for speed in SPEEDS for omega in FREQUENCIES}
 
 
-def test_example_five_sixteen_deployments(deployments, gallery):
-    def draw(figure):
-        axes = figure.subplots(2, 2, sharex=True)
-        for axis, omega in zip(axes.flat, FREQUENCIES, strict=True):
-            for speed in SPEEDS:
-                length, size, _, _ = deployments[speed, omega]
-                axis.plot(length, size, label=f"{speed} m/s")
-            axis.set_title(f"{omega} rad/s", fontsize="small")
-        axes[0, 0].legend(title="deployment", fontsize="small")
-        figure.supxlabel("cable out [m]")
-        figure.supylabel("heave amplitude of the unit [m]")
+def test_example_five_sixteen_deployments(deployments):
 
-    gallery("axial_deployments", "Sixteen deployments, heave of the unit for 1 m at the boom tip (thesis 3.3.5).", draw)
     for (speed, omega), (length, size, _, least) in deployments.items():
         assert np.all(np.isfinite(size)), (speed, omega)
         assert np.all(least >= 0.0)
@@ -330,7 +311,7 @@ def test_two_of_the_sixteen_agree_with_the_three_dimensional_solver(speed, omega
         assert np.array(tension) == pytest.approx(axial.top_tension, abs=2e-3 * np.ptp(axial.top_tension))
 
 
-def test_sudden_stop_gives_the_wave_tension_and_then_a_steady_motion(gallery):
+def test_sudden_stop_gives_the_wave_tension_and_then_a_steady_motion():
     # thesis fig. 3.24. Before the wave comes back, a top end stopped from speed v feels sqrt(EA m) v more tension; the
     # end is stopped in 0.02 s, the wave needs 2 L/c = 0.54 s. The cable has no drag here: losing it would add to that.
     speed, period, stop = 1.0, 0.01, 5.0
@@ -341,14 +322,6 @@ def test_sudden_stop_gives_the_wave_tension_and_then_a_steady_motion(gallery):
     line = AxialLine((section,), DEPLOYED.unit)
     response = simulate_axial(line, 400.0, np.zeros_like(time), period, payout=payout, segments=200, largest_step=0.002)
 
-    def draw(figure):
-        axes = figure.subplots(2, 1, sharex=True)
-        axes[0].plot(time, response.unit_heave + payout)
-        axes[0].set_ylabel("unit about steady lowering [m]")
-        axes[1].plot(time, response.top_tension / 1e3)
-        axes[1].set(xlabel="time [s]", ylabel="top tension [kN]")
-
-    gallery("axial_sudden_stop", "Deployment at 1 m/s stopped at 5 s, 405 m out (thesis fig. 3.24).", draw)
     impedance = math.sqrt(section.axial_stiffness * section.mass)
     before = response.top_tension[(time > 4.0) & (time < 4.9)].mean()
     plateau = response.top_tension[(time > 5.1) & (time < 5.4)].mean()

@@ -16,7 +16,7 @@ from cable_sim_node.line.dynamics import CableDynamics
 from cable_sim_node.parameters import CableParameters, CableSimParameters, UnitParameters
 from heave_node.numerics.kinematics import PointMotion
 
-from tests.validation.lowering import lower
+from tests.validation.peers.driven_run import lower
 
 DIAMETER, STIFFNESS, MASS_PER_LENGTH = 0.02, 4e9 * 0.25 * math.pi * 0.02**2, 5.2
 MASS, ADDED_MASS, WEIGHT = 1900.0, 1600.0, 15_000.0

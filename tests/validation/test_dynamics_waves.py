@@ -9,9 +9,6 @@ import pytest
 from cable_sim_node.line.dynamics import CableDynamics
 from cable_sim_node.parameters import CableParameters, CableSimParameters, SolverParameters, UnitParameters
 from heave_node.numerics.kinematics import PointMotion
-from hypothesis import given
-from hypothesis import strategies as st
-from scipy.integrate import solve_bvp
 
 from tests.validation.peers.driven_run import first_harmonic, ramped_sine
 
@@ -156,92 +153,6 @@ def test_transverse_waves_decay_in_water_as_equation_4_10():
     assert field[:41] == pytest.approx(expected, rel=0.01)
 
 
-@pytest.mark.parametrize(("factor", "is_right"), [(1j, True), (1.0, False)])
-def test_the_outgoing_wave_of_equation_4_10_has_the_root_of_minus_one_in_its_exponent(factor, is_right):
-    """Thesis Eq. 4.10 beside scipy's solution of its own equation T q'' + (w^2 m - i w c) q = 0 on 800 m.
-
-    q is 1 at the top and 0 at the far end, where drag has left nothing. As printed, the wave would die within metres.
-    """
-    omega, mass, damping, way = 2.0, 7.2, 6.0, 800.0
-    k2 = (omega**2 * mass - 1j * omega * damping) / TENSION
-
-    def slopes(_, y):
-        bend = -k2 * (y[0] + 1j * y[1])
-        return np.array([y[2], y[3], bend.real, bend.imag])
-
-    s = np.linspace(0.0, way, 1601)
-    found = solve_bvp(
-        slopes,
-        lambda a, b: np.array([a[0] - 1.0, a[1], b[0], b[1]]),
-        s,
-        np.zeros((4, s.size)),
-        tol=1e-6,
-        max_nodes=40_000,
-    )
-    near = s[s < 100.0]
-    real, imaginary = found.sol(near)[:2]
-    error = np.abs(np.exp(-factor * np.sqrt(k2) * near) - real - 1j * imaginary).max()
-    assert (error < 1e-3) if is_right else (error > 0.3)
-
-
-# --- the appendix's Cartesian equations, 12.4
-
-SLOPES = st.tuples(st.floats(-0.6, 0.6), st.floats(-0.6, 0.6), st.floats(0.8, 1.2))
-SOFT = 2e5
-"""EA of the appendix's random states [N]: strains of up to a half count."""
-
-
-def strain_of(slope):
-    return math.sqrt(float(slope @ slope)) - 1.0
-
-
-def stiffness(slope):
-    """Return the derivative of the force T r_s/(1 + e), T = EA e, by r_s, from differences, shape (3, 3) [N]."""
-
-    def pull(r):
-        return SOFT * strain_of(r) / (1.0 + strain_of(r)) * r
-
-    return np.column_stack([(pull(slope + h) - pull(slope - h)) / 2e-5 for h in 1e-5 * np.eye(3)])
-
-
-def taut(slope):
-    r = np.array(slope)
-    return r * max(1.0, 1.01 / math.sqrt(float(r @ r)))
-
-
-@given(SLOPES)
-def test_j_of_equation_12_11_needs_the_mass_in_its_first_term_too(slope):
-    """J_1 to J_9 are minus the derivative of the force over mu; as printed, the first term is mu times too large."""
-    r = taut(slope)
-    e = strain_of(r)
-    first, second = SOFT / (1.0 + e) ** 3 * np.outer(r, r), SOFT * e / (1.0 + e) * np.eye(3)
-    right, printed = (first + second) / MU, first + second / MU
-    measured = stiffness(r) / MU
-    assert right == pytest.approx(measured, abs=1e-6 * SOFT / MU)
-    assert np.abs(printed - measured).max() > 0.1 * np.abs(measured).max()
-    speeds = np.sqrt(np.linalg.eigvalsh(right))
-    assert speeds == pytest.approx(np.sqrt(np.array([SOFT * e / (1.0 + e)] * 2 + [SOFT]) / MU), rel=1e-9)
-
-
-def test_the_root_of_one_plus_strain_has_an_eighth_of_its_square():
-    """Thesis 12.4.2: sqrt(1 + e) = 1 + e/2 - e^2/8; printed e^2/4."""
-    assert (math.sqrt(1.01) - 1.0 - 0.005) / 0.01**2 == pytest.approx(-1.0 / 8.0, rel=0.01)
-
-
-@given(SLOPES)
-def test_a_jump_of_curvature_runs_as_the_relations_12_21_to_12_24_say(slope):
-    """A front's jumps are eigenvectors of the stiffness: along the tangent, or across it without strain."""
-    r = taut(slope)
-    e, tangent = strain_of(r), r / np.linalg.norm(r)
-    squared, jumps = np.linalg.eigh(stiffness(r) / MU)
-    # (1 + e) <e_s> = r_s <r_ss>; the faster front last, as the printed speeds order them
-    strains = r @ jumps / (1.0 + e)
-    assert squared[:2] == pytest.approx(SOFT * e / (1.0 + e) / MU, rel=1e-5)
-    assert strains[:2] == pytest.approx(0.0, abs=1e-5)
-    assert squared[2] == pytest.approx(SOFT / MU, rel=1e-5)
-    assert jumps[:, 2] == pytest.approx(tangent * strains[2], abs=1e-5)
-
-
 def test_on_the_line_the_tensile_front_keeps_the_shape_and_the_transverse_front_the_strain():
     """Thesis 12.4.4 on the plant: the top of a slanting wire begins to move sideways at 0.1 m/s, in 0.1 s.
 
@@ -275,16 +186,3 @@ def test_on_the_line_the_tensile_front_keeps_the_shape_and_the_transverse_front_
     assert velocities[behind] == pytest.approx(np.tile(speed, (behind.sum(), 1)), abs=0.02 * 0.1)
     across = speed - part
     assert turn[behind] @ across == pytest.approx(across @ across / transverse, rel=0.02)
-
-
-@given(SLOPES, SLOPES)
-def test_the_linear_elastic_force_of_12_25_to_12_28_is_the_derivative_of_the_force(slope, change):
-    """And where the static shape lies in a plane, motions in the plane and out of it do not act on one another."""
-    r0, r1 = taut(slope), np.array(change)
-    e0 = strain_of(r0)
-    e1 = float(r0 @ r1) / (1.0 + e0)
-    linear = SOFT * (e1 / (1.0 + e0) ** 2 * r0 + e0 / (1.0 + e0) * r1)
-    assert linear == pytest.approx(stiffness(r0) @ r1, abs=1e-5 * SOFT)
-    plane = stiffness(taut((slope[0], 0.0, slope[2])))
-    assert plane[1, [0, 2]] == pytest.approx(0.0, abs=1e-5 * SOFT)
-    assert plane[[0, 2], 1] == pytest.approx(0.0, abs=1e-5 * SOFT)

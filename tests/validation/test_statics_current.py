@@ -144,7 +144,7 @@ def sheared(angle):
     return Current([way, 0.1 * way], [0.0, SHEAR_DEPTH])
 
 
-def test_touchdown_footprint_in_the_sheared_current(gallery):
+def test_touchdown_footprint_in_the_sheared_current():
     # Pinto: suspended length 30 % above the straight line in a head current, 22 % below in a following one. The ship's
     # speed is not printed. His straight line is that of the hydrodynamic constant, angle H/V, length depth V/H. At
     # V = 1.95 m/s both printed numbers come out; one unknown, two numbers.
@@ -152,20 +152,7 @@ def test_touchdown_footprint_in_the_sheared_current(gallery):
     straight = SHEAR_DEPTH * speed / HYDRODYNAMIC_CONSTANT
     headings = np.radians(np.arange(0.0, 360.0, 15.0))
     layings = [lay(LIGHT_ARMOURED, SHEAR_DEPTH, (speed, 0.0), sheared(angle)) for angle in headings]
-    still = lay(LIGHT_ARMOURED, SHEAR_DEPTH, (speed, 0.0))
 
-    def draw(figure):
-        axes = figure.subplots()
-        points = np.array([laying.touchdown for laying in layings])
-        axes.plot(*np.vstack((points, points[:1])).T, "o-", label="touchdown, current from all round")
-        axes.plot(*still.touchdown, "k+", markersize=12, label="no current")
-        axes.plot(0.0, 0.0, "r^", label="ship, course +x")
-        axes.set(xlabel="x [m]", ylabel="y [m]", aspect="equal")
-        axes.legend()
-
-    gallery(
-        "statics_touchdown", "Touchdown of a light-armoured cable in a sheared current at 1000 m (Pinto fig. 6).", draw
-    )
     following, head = layings[0], layings[12]
     assert head.suspended_length / straight - 1.0 == pytest.approx(0.30, abs=0.01)
     assert following.suspended_length / straight - 1.0 == pytest.approx(-0.22, abs=0.01)
@@ -185,7 +172,7 @@ def test_the_suspended_length_converges_with_refinement():
     assert np.ptp(lengths) < 1e-6 * lengths[-1]
 
 
-def test_footprint_in_a_cross_current(gallery):
+def test_footprint_in_a_cross_current():
     # an area symmetric about the current, that leans downstream and shrinks as the current grows
     unit = PointLoad(0.0, axis_drag=(400.0, 400.0, 400.0))
     cable = static_cable([StaticSection(500.0, STIFFNESS, 2.25, NORMAL, TANGENTIAL)], [unit], segments=40)
@@ -195,18 +182,6 @@ def test_footprint_in_a_cross_current(gallery):
         for speed in (0.0, 0.2, 0.4)
     }
 
-    def draw(figure):
-        axes = figure.subplots()
-        for speed, area in areas.items():
-            points = np.array([point.offset for point in area.points])
-            axes.plot(*np.vstack((points, points[:1])).T, label=f"{speed} m/s")
-        axes.plot(0.0, 0.0, "r^", label="boom tip")
-        axes.set(xlabel="x [m]", ylabel="y [m]", aspect="equal")
-        axes.legend(title="current in x")
-
-    gallery(
-        "statics_footprint", "Reach of a unit with 800 N of thrust on 500 m of cable, 200 m down (thesis 2.2.4).", draw
-    )
     calm, moderate = areas[0.0], areas[0.4]
     assert np.ptp(calm.radius) < 3e-3 * calm.radius.mean()
     assert moderate.radius[1:12] == pytest.approx(moderate.radius[:12:-1], rel=1e-3)

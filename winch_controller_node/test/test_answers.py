@@ -33,11 +33,11 @@ def test_silence_is_said_once_and_so_is_its_end():
     watch.asked(20)
     alarms = alarms_of(watch, 21, 400)
     (alarm,) = alarms
-    assert alarm.code == "ADVISER_SILENT"
+    assert alarm.name == "ADVISER_LOST: silent"
     assert alarm.values == {"time": pytest.approx(3.05), "which": "nominal"}
     assert not watch.is_well
     watch.took(number=2)
-    assert [alarm.code for alarm in watch.step(400)] == ["ADVISER_RESTORED"]
+    assert [alarm.name for alarm in watch.step(400)] == ["ADVISER_RESTORED"]
     assert watch.is_well
 
 
@@ -45,7 +45,7 @@ def test_lateness_is_said_when_it_begins_and_forgotten_after_ten_answers_in_time
     watch = AdviserWatch(DT)
     for _ in range(3):
         watch.refused_late()
-    assert [alarm.code for alarm in watch.step(100)] == ["ADVISER_LATE"]
+    assert [alarm.name for alarm in watch.step(100)] == ["ADVISER_LOST: late"]
     for _ in range(STEADY - 1):
         watch.took(1)
     assert not watch.is_well
@@ -61,7 +61,7 @@ def test_an_answer_that_makes_no_sense_is_said_with_its_fault_the_first_time():
     watch.refused("design: gain must have shape (17,)")
     watch.refused("design: gain must have shape (17,)")
     (alarm,) = watch.step(1)
-    assert alarm.code == "ADVISER_REJECTED"
+    assert alarm.name == "ADVISER_LOST: rejected"
     assert "gain must have shape (17,)" in alarm.values["fault"]
     assert watch.values["malformed"] == "2"
     assert not watch.is_well

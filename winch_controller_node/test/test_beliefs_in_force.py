@@ -92,7 +92,7 @@ def test_an_answer_that_tells_nothing_new_changes_nothing_and_findings_are_told_
     controller.take(answer(AFTER, {"winch.speed_gain": 0.8}))
     told += stepped(controller, AFTER + 1, 2 * AFTER)
     assert controller.design is design
-    assert [alarm.code for alarm in told].count("WINCH_MODEL_UPDATED") == 1
+    assert [alarm.name for alarm in told].count("WINCH_MODEL_UPDATED") == 1
 
 
 CHANGES = {
@@ -200,10 +200,10 @@ def test_a_sensor_that_is_left_out_is_doubted_and_used_again_with_the_next_answe
 def test_a_sensor_that_is_left_out_is_named_once_whether_the_adviser_reports_it_or_not(findings):
     controller = made()
     controller.take(answer(0, excluded="mru", findings=findings))
-    named = [alarm.code for alarm in stepped(controller, 1, AFTER) if alarm.code == "MRU_EXCLUDED"]
-    assert named == ["MRU_EXCLUDED"]
+    named = [alarm.name for alarm in stepped(controller, 1, AFTER) if alarm.name == "SENSOR_LOST, MRU: excluded"]
+    assert named == ["SENSOR_LOST, MRU: excluded"]
     controller.take(answer(AFTER, excluded="mru", number=2))
-    assert "MRU_EXCLUDED" not in [alarm.code for alarm in stepped(controller, AFTER + 1, 2 * AFTER)]
+    assert "SENSOR_LOST, MRU: excluded" not in [alarm.name for alarm in stepped(controller, AFTER + 1, 2 * AFTER)]
 
 
 @pytest.mark.parametrize("aside", [True, False])

@@ -63,7 +63,7 @@ def test_a_machine_that_is_late_too_often_is_told_once_with_its_share():
     """3 commands late in each 20: never most of two seconds, but 15 % of a minute."""
     late, told = late_in_bursts(3, 20, 12_000)
     (alarm,) = told
-    assert alarm.code == "COMMANDS_OFTEN_LATE"
+    assert alarm.name == "COMMANDS_LATE: often"
     # reported with the first share above 10 % of 1,200 commands
     assert alarm.values == {"percent": pytest.approx(10.0, abs=0.1), "window": 60.0, "largest": pytest.approx(DT)}
     assert late.is_reported

@@ -70,10 +70,10 @@ def test_no_move_of_the_programme_begins_while_the_mru_is_lost_and_one_under_way
     assert np.ptp(set_point[time > faded + 8.0]) < 0.02
     assert set_point[-1] - lowered < 0.8
     assert record.modes[-1] == "compensating"
-    (ended,) = [alarm for _, alarm in record.alarms if alarm.code == "MOVE_LOST"]
+    (ended,) = [alarm for _, alarm in record.alarms if alarm.name == "MOVE_LOST"]
     assert ended.values["target"] == 6.0
     assert "mru stale" in str(ended.values["cause"]).lower()
-    (rejected,) = [alarm for _, alarm in record.alarms if alarm.code == "PROGRAMME_REJECTED"]
+    (rejected,) = [alarm for _, alarm in record.alarms if alarm.name == "PROGRAMME_REJECTED"]
     assert rejected.values["time"] == 45.0
 
 
@@ -150,7 +150,7 @@ def test_a_drive_that_counts_by_the_encoder_does_not_follow_its_jump_and_nothing
     loop = ClosedLoop(dataclasses.replace(parameters, winch=dataclasses.replace(drive, encoder=encoder)))
     set_points = []
     record = loop.run(lambda _, outputs: set_points.append(outputs.order.payout))
-    assert [alarm.code for time, alarm in record.alarms if time > 39.0] == ["ENCODER_JUMP"]
+    assert [alarm.name for time, alarm in record.alarms if time > 39.0] == ["SENSOR_DOUBTFUL, ENCODER: jump"]
     encoder_error = loop.winch.state.encoder_payout - loop.winch.state.payout
     assert encoder_error == pytest.approx(jump, abs=1e-3)
     # over four seconds of a motion about the mean
@@ -342,12 +342,13 @@ def test_a_number_that_cannot_be_is_refused_and_named_in_every_field_and_compens
     loop.controller.step = impossible
     for _ in range(800 + 20 * len(IMPOSSIBLE) + 100):
         outputs, _ = loop.step()
-        codes |= {alarm.code for alarm in outputs.alarms}
+        codes |= {alarm.name for alarm in outputs.alarms}
         assert np.isfinite([*outputs.report.estimate, outputs.order.payout, outputs.order.payout_rate]).all()
     assert not waiting
     for part, field in IMPOSSIBLE:
         name = "encoder" if part == "winch" else part
-        assert f"{name.upper()}_{'ACCURACY' if field.endswith('sigma') else 'READING'}_REJECTED" in codes
+        reason = "accuracy" if field.endswith("sigma") else "one reading"
+        assert f"SENSOR_DOUBTFUL, {name.upper()}: {reason}" in codes
     assert outputs.mode == "compensating"
     assert abs(float(loop.controller.observer.state[0]["mean_tension"]["filtered"])) < 1e6
 
@@ -378,14 +379,14 @@ def test_an_identified_winch_that_cannot_be_designed_for_is_an_alarm_and_the_loo
 
     monkeypatch.setattr(loop.adviser, "_designed", refuse)
     outputs = [loop.step()[0] for _ in range(800)]
-    told = [alarm.code for tick in outputs for alarm in tick.alarms]
-    assert told.count("WINCH_NOT_DESIGNABLE") == 1
+    told = [alarm.name for tick in outputs for alarm in tick.alarms]
+    assert told.count("NOT_DESIGNABLE, WINCH") == 1
     assert loop.controller.parameters == loop.controller.nominal
     assert outputs[-1].report.mode == "compensating"
 
 
 def test_a_winch_as_believed_is_left_alone(run_by):
-    assert "WINCH_MODEL_UPDATED" not in {alarm.code for _, alarm in run_by("mpc").alarms}
+    assert "WINCH_MODEL_UPDATED" not in {alarm.name for _, alarm in run_by("mpc").alarms}
 
 
 @pytest.mark.parametrize(("law", "plans"), [("lqg", True), ("mpc", True), ("lqr", False), ("feedforward", False)])
@@ -408,8 +409,8 @@ def test_a_lost_loop_is_given_up_before_the_unit_swings_and_the_winch_comes_to_r
     """
     parameters = loop_parameters(law=law, duration=120.0, **UNLEARNT)
     record = ClosedLoop(dataclasses.replace(parameters, winch=WinchParameters(time_constant=0.8))).run()
-    codes = {alarm.code for _, alarm in record.alarms}
-    assert codes & (HARMFUL | {"ORDER_TOO_FAST", "ORDER_TOO_FAR", "DRUM_OFF_ORDER"})
+    codes = {alarm.name for _, alarm in record.alarms}
+    assert codes & (HARMFUL | {"ORDER_REPLACED: too fast", "ORDER_REPLACED: too far", "DRUM_OFF_ORDER: distance"})
     assert record.modes[-1] in ("standby", "stopped")
     # the try itself and what is left of it until it has died away; over the whole of a run that is a few percent
     assert record.unit_sigma(20.0) < 1.4 * record.uncompensated_sigma(20.0)
@@ -422,7 +423,7 @@ def test_a_lost_loop_is_given_up_before_the_unit_swings_and_the_winch_comes_to_r
 def test_the_regulator_of_the_unit_alone_compensates_and_does_no_harm_where_it_takes_the_winch_to_its_limits():
     """Without limits it would leave 12 % here (stationary prediction); its authority is what the winch bears."""
     record = ClosedLoop(loop_parameters(law="lqr", duration=110.0)).run()
-    assert not {alarm.code for _, alarm in record.alarms} & HARMFUL
+    assert not {alarm.name for _, alarm in record.alarms} & HARMFUL
     assert record.unit_sigma(60.0) < 0.5 * record.uncompensated_sigma(60.0)
 
 
@@ -463,7 +464,7 @@ def test_a_controller_that_is_started_anew_compensates_where_the_drum_stands(win
     after = [loop.step() for _ in range(1500)]
     alarms = [alarm for outputs, _ in after for alarm in outputs.alarms if alarm.severity > Severity.EVENT]
     assert not {alarm.row.part for alarm in alarms} & {"mru", "depth", "encoder", "sensors", "loop"}
-    assert not {alarm.code for alarm in alarms} & {"CABLE_INERTIA", "CABLE_DAMPING"}
+    assert not {alarm.name for alarm in alarms} & {"IDENTIFIED, CABLE: inertia", "IDENTIFIED, CABLE: damping"}
     assert {outputs.mode for outputs, _ in after[-600:]} == {"compensating"}
     rows = np.array([row for _, row in after])
     payout, set_point, unit = (rows[:, COLUMNS.index(name)] for name in ("payout", "depth_set_point", "unit"))
@@ -521,7 +522,7 @@ def test_the_thesis_system_is_compensated_and_the_guard_leaves_it_alone():
     Full information would leave 2.96e-4 m of 0.2551 m; what sensors of 10 um leave is below 1 %.
     """
     record = ClosedLoop(thesis_parameters()).run()
-    assert not {alarm.code for _, alarm in record.alarms} & HARMFUL
+    assert not {alarm.name for _, alarm in record.alarms} & HARMFUL
     assert record.unit_sigma(60.0) < 0.01 * record.uncompensated_sigma(60.0)
 
 
@@ -611,9 +612,9 @@ def test_a_hanging_unit_at_constant_tension_travels_no_further_than_its_bound_an
     # the change of tension needs a tenth of the stretch; the average over 5 s is late at the largest speed of 0.3 m/s
     allowed = 1.0 + 0.1 * cable.static_tension / cable.stiffness + 5.0 * 0.3
     assert np.max(np.abs(payout - payout[0])) < allowed + 0.2
-    alarms = [alarm for tick in outputs for alarm in tick.alarms if alarm.code.startswith("TENSION_TRAVEL")]
-    told = [(alarm.code, alarm.values["travel"]) for alarm in alarms]
-    assert told == [("TENSION_TRAVEL_HALF", 0.5), ("TENSION_TRAVEL_END", 1.0)]
+    alarms = [alarm for tick in outputs for alarm in tick.alarms if alarm.name.startswith("TENSION_TRAVEL")]
+    told = [(alarm.name, alarm.values["travel"]) for alarm in alarms]
+    assert told == [("TENSION_TRAVEL: half", 0.5), ("TENSION_TRAVEL: end", 1.0)]
 
 
 def test_a_landed_unit_under_a_brake_is_lifted_off_at_constant_tension():

@@ -53,7 +53,7 @@ def test_a_winch_that_goes_the_other_way_is_stopped_within_three_seconds_and_tri
         minute = (time >= begin) & (time < begin + 60.0)
         assert np.std(unit[minute]) < 1.05 * np.std(off[minute])
     # the finding is reported once; what stands beside it until somebody asks is that somebody has to
-    assert [alarm.code for _, alarm in record.alarms].count("DRUM_OR_ENCODER_REVERSED") == 1
+    assert [alarm.name for _, alarm in record.alarms].count("DRUM_OR_ENCODER: reversed") == 1
     stopped = max(k for k, report in enumerate(reports) if report.mode == "stopping")
     stands = [report.reason for report in reports[stopped + 1 :]]
     assert len(stands) > 60.0 / TICK
@@ -64,12 +64,12 @@ def test_a_winch_that_goes_the_other_way_is_stopped_within_three_seconds_and_tri
     *before, rest = changes(outputs.mode for outputs in found)
     assert before in (["standby", "compensating", "fade_out", "stopping"], ["standby", "compensating", "stopping"])
     assert rest in ("standby", "stopped")
-    assert [alarm.code for outputs in found for alarm in outputs.alarms].count("DRUM_OR_ENCODER_REVERSED") == 1
+    assert [alarm.name for outputs in found for alarm in outputs.alarms].count("DRUM_OR_ENCODER: reversed") == 1
 
 
 def test_a_winch_that_was_set_right_goes_on_once_an_operator_asks():
     loop = loop_of("winch", 60.0)
-    assert "DRUM_OR_ENCODER_REVERSED" in {alarm.code for _, alarm in loop.run().alarms}
+    assert "DRUM_OR_ENCODER: reversed" in {alarm.name for _, alarm in loop.run().alarms}
     del loop.winch.step  # what it is sent is what it does from now on
     loop.controller.set_mode("compensating")
     found = [loop.step() for _ in range(round(60.0 / TICK))]

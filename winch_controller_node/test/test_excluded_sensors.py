@@ -74,7 +74,7 @@ def seen_of(outputs, sensor):
 
 def told(record, code):
     """Return the times at which an alarm of a `code` was raised [s]."""
-    return [time for time, alarm in record.alarms if alarm.code == code]
+    return [time for time, alarm in record.alarms if alarm.name == code]
 
 
 @pytest.mark.parametrize(
@@ -156,7 +156,7 @@ def test_compensation_goes_on_without_a_depth_sensor_that_lies_and_with_it_once_
 def test_an_mru_that_turns_over_is_named_within_20_seconds_harms_nothing_and_is_used_again_once_it_is_right():
     """An MRU that is turned over may jump as well: what is lost is neither used nor blamed."""
     run = Run(loop_with("mru", -1.0), "mru")
-    lost = next(iter(told(run.record, "MRU_JUMPS")), np.inf)
+    lost = next(iter(told(run.record, "SENSOR_LOST, MRU: jump")), np.inf)
     assert TURNS < min(run.first("mru"), lost) < TURNS + 20.0
     for other in ("depth", "encoder", "cable"):
         assert run.first(other) == np.inf, other

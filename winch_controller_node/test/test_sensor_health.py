@@ -7,7 +7,7 @@ from heave_node.interface.sensors import MruReading
 from hypothesis import given
 from hypothesis import strategies as st
 from winch_controller_node.core.estimation.sense_design import STEPS
-from winch_controller_node.core.estimation.sensor_health import LOST_STATES, lost_alarm
+from winch_controller_node.core.estimation.sensor_health import lost_alarm
 from winch_controller_node.interface.readings import ScalarReading
 from winch_controller_node.parameters.laws import HealthParameters
 
@@ -56,23 +56,22 @@ def test_whatever_a_reading_is_refused_for_has_an_alarm_with_an_action(stamp, va
     gate = make_gate()
     feed(gate, [7.0] * 2)
     gate.judge(3 * DT, stamp, (value,), status)
-    assert gate.reason in LOST_STATES
     lost = lost_alarm("mru", gate.reason, age=math.nan, limit=math.nan)
-    assert lost.code == f"MRU_{LOST_STATES[gate.reason]}"
+    assert lost.name == f"SENSOR_LOST, MRU: {gate.reason}"
     assert lost.row.action
 
 
 @pytest.mark.parametrize("reason", ["status invalid", "status 7"])
 def test_a_sensor_that_reports_a_fault_of_its_own_is_quoted(reason):
     alarm = lost_alarm("mru", reason, age=math.nan, limit=math.nan)
-    assert (alarm.code, alarm.values) == ("MRU_FAULT", {"status": reason})
+    assert (alarm.name, alarm.values) == ("SENSOR_LOST, MRU: status", {"status": reason})
 
 
 def test_a_stale_sensor_is_reported_with_its_age_and_what_is_allowed():
     """No data since 0.1 s; the nominal period is 0.05 s, and three of them may be missing."""
     gate = make_gate()
     feed(gate, [7.0, 7.1, *[None] * 8])
-    assert gate.alarm.code == "DEPTH_STALE"
+    assert gate.alarm.name == "SENSOR_LOST, DEPTH: stale"
     limit = HealthParameters().stale_samples * DT
     stale = {"age": pytest.approx(0.5 - 0.1), "limit": pytest.approx(limit)}
     assert gate.alarm.values == stale
@@ -541,9 +540,9 @@ def test_readings_that_come_and_are_too_old_are_late_since_when_and_by_how_much_
     assert (gate.level, gate.reason) == (LOST, "delayed")
     limit = HealthParameters().stale_samples * DT
     values = {"age": pytest.approx(0.92), "limit": pytest.approx(limit), "since": pytest.approx(DT)}
-    assert (gate.alarm.code, gate.alarm.values) == ("DEPTH_LATE", values)
+    assert (gate.alarm.name, gate.alarm.values) == ("SENSOR_LOST, DEPTH: delayed", values)
     feed(gate, [None] * 8, start=200)
-    assert gate.alarm.code == "DEPTH_STALE", "nothing comes now"
+    assert gate.alarm.name == "SENSOR_LOST, DEPTH: stale", "nothing comes now"
 
 
 @pytest.mark.parametrize(("resolution", "within"), [(0.0, 1.0), (0.01, 4.0)])

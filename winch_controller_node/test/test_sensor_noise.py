@@ -91,7 +91,7 @@ def run_b3(duration, *settings):
 
 def told_quiet(record):
     """Return time and measurement of each alarm that a sensor is quieter than assumed."""
-    return [(time, alarm.values["measurement"]) for time, alarm in record.alarms if alarm.code.endswith("_NOISE_LOW")]
+    return [(time, alarm.values["measurement"]) for time, alarm in record.alarms if alarm.name.startswith("NOISE_LOW")]
 
 
 def test_sensors_that_are_believed_five_times_noisier_than_they_are_are_told_once_and_compensation_goes_on():
@@ -104,7 +104,7 @@ def test_sensors_that_are_believed_five_times_noisier_than_they_are_are_told_onc
     assert all(60.0 <= time <= 120.0 for time, _ in told)
     assert record.modes[-1] == "compensating"
     (alarm,) = [alarm for _, alarm in record.alarms if alarm.values.get("measurement") == "MRU heave"]
-    assert (alarm.code, alarm.values["sigma"]) == ("MRU_NOISE_LOW", 0.05)
+    assert (alarm.name, alarm.values["sigma"]) == ("NOISE_LOW, MRU", 0.05)
     assert 0.0 < float(alarm.values["seen"]) < 0.05
 
 
@@ -115,10 +115,14 @@ def test_sensors_as_believed_are_not_told_also_in_a_sea_far_lower_than_believed(
 def test_noise_of_the_depth_that_has_become_known_is_not_told_as_jumps():
     """Ten times the assumed noise: before it is known, within 3 s, a reading or two look like jumps."""
     record = run_b3(60.0, "all.seed=104", "cable_sim.sensors.depth.noise=0.2")
-    jumps = [time for time, alarm in record.alarms if alarm.code in ("DEPTH_JUMP", "DEPTH_SCALE_JUMP")]
+    jumps = [
+        time
+        for time, alarm in record.alarms
+        if alarm.name in ("SENSOR_DOUBTFUL, DEPTH: jump", "SENSOR_LOST, DEPTH: scale jump")
+    ]
     assert len(jumps) <= 2
     assert all(time < 5.0 for time in jumps)
-    assert [alarm.code for _, alarm in record.alarms].count("DEPTH_NOISE_HIGH") == 1
+    assert [alarm.name for _, alarm in record.alarms].count("SENSOR_DOUBTFUL, DEPTH: noise") == 1
 
 
 def test_a_reading_that_comes_back_into_its_band_within_the_minute_is_not_told():

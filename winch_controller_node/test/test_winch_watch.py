@@ -99,13 +99,13 @@ def test_commands_that_are_taken_in_time_are_no_news_and_ones_that_are_not_inhib
     link = Link(design)
     link.run(100)
     link.last_taken = link.tick - link.late
-    found = [report.inhibition.code for report in link.run(40) if report.inhibition]
+    found = [report.inhibition.name for report in link.run(40) if report.inhibition]
     assert set(found) == {"COMMANDS_CUT"}
     slow = Link(design)
     slow.run(100)
     slow.late = 4 + round((PARAMETERS.lag.largest + 0.5) / DT)
     reports = slow.run(400)
-    assert reports[-1].inhibition.code == "COMMANDS_TOO_LATE"
+    assert reports[-1].inhibition.name == "COMMANDS_TOO_LATE"
     assert reports[-1].inhibition.values["delay"] == pytest.approx(PARAMETERS.lag.largest + 0.5, abs=2.0 * DT)
 
 

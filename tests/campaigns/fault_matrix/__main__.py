@@ -2,7 +2,6 @@
 
     python -m tests.campaigns.fault_matrix --cases 1000 --seed 20261201 --workers 2
     python -m tests.campaigns.fault_matrix --cases 200 --only "encoder freeze"
-    python -m tests.campaigns.fault_matrix --print runs/fault_matrix/20261201-0123456789ab.jsonl
 
 Drawn are: a kind of fault of a device (sensors, winch, orders on their way to the drive, clocks, nodes that end or
 stall, an adviser that lies), its size and length; the moment at which it begins (standby, entry, compensating, a move,
@@ -12,8 +11,9 @@ where none is named. All kinds come equally often, and all moments. Four faults 
 
 Of each case: time to the alarm that names the part at fault, healthy parts that are blamed, time to rest, travel of the
 drum until then over the heave of the rolling minute and 0.3 m, rate and travel over the envelope, motion of the unit
-from 10 s after the fault over that of the locked one, tension. What was run stands in a journal: the same command goes
-on where it was ended. Not here, for they need more than a process: links of a network, a PLC, a recorder.
+from 10 s after the fault over that of the locked one, tension. What was run stands in a journal in `runs/fault_matrix`:
+the same command on the same sources goes on where it was ended, and only prints where all is there. Not here, for they
+need more than a process: links of a network, a PLC, a recorder.
 
 Ends with status 1 where the promise is broken: drum within the envelope in all cases, travel in 99.9 %, unit at most
 1.3 times the locked one in 99 %, part named in 97 % of the faults that show, a healthy part blamed in 1 % at most.
@@ -22,6 +22,8 @@ Ends with status 1 where the promise is broken: drum within the envelope in all 
 from __future__ import annotations
 
 import argparse
+import hashlib
+import json
 import math
 import multiprocessing
 import os
@@ -40,60 +42,60 @@ from tests.campaigns.fault_matrix.cases import BRANCHES, Cell, cell
 from tests.campaigns.fault_matrix.faults import KINDS
 from tests.campaigns.fault_matrix.figures import BARS, COLUMNS, GROUPS, Ran, broken, kept, line, rows_by, worst
 from tests.campaigns.fault_matrix.moments import MOMENTS
-from tests.campaigns.fault_matrix.page import add
-from tests.campaigns.fault_matrix.run import AFTER, Outcome, outcome_of, run_cells
-from tests.campaigns.journal import ROOT, JournalError, JournalFile, sources_digest
+from tests.campaigns.fault_matrix.page import ROOT, add
+from tests.campaigns.fault_matrix.run import AFTER, outcome_of, run_cells
 
 FOLDER = Path("runs") / "fault_matrix"
 """Folder of journals."""
+
+PACKAGES = ("core", "node_base", "wave_vessel_node", "cable_sim_node", "winch_controller_node", "bringup/heave_bringup")
+"""Places of the code that an outcome depends on, beside this package."""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the campaign; return 1 where the promise is broken, 130 where it was ended by Ctrl-C."""
     options = _parser().parse_args(arguments)
-    try:
-        journal = _journal(options)
-    except JournalError as error:
-        sys.stderr.write(f"{error}\n")
-        return 2
-    seed, branches, after = (journal.heading[name] for name in ("seed", "branches", "after"))
-    indices = sorted(journal.entries) if options.print else range(options.cases)
-    wanted = [cell(seed, index, branches) for index in indices]
+    wanted = [cell(options.seed, index, options.branches) for index in range(options.cases)]
     wanted = [one for one in wanted if options.only is None or options.only in (one.fault.name, one.base.moment)]
+    how = {name: getattr(options, name) for name in ("seed", "branches", "after")}
+    journal = FOLDER / f"{'-'.join(f'{value:g}' for value in how.values())}-{sources_digest()}.jsonl"
+    known = read_journal(journal)
     try:
-        if not options.print:
-            _run(wanted, options.workers, journal, after)
+        with journal.open("a", encoding="utf-8") as file:
+            for one, found in _outcomes(
+                [one for one in wanted if one.words not in known], options.workers, options.after
+            ):
+                known[one.words] = asdict(found)
+                # a line of its own, also after one that was not finished
+                file.write("\n" + json.dumps([one.words, known[one.words]]) + "\n")
+                file.flush()
+                print(line(one, found), flush=True)  # noqa: T201
     except KeyboardInterrupt:
         return 130
-    ran = [(one, _outcome(journal, one)) for one in wanted if journal.entries.get(one.index, ("",))[0] == one.words]
-    sys.stdout.write(report(ran) + "\n")
+    ran = [(one, outcome_of(known[one.words])) for one in wanted]
+    print(report(ran))  # noqa: T201
     if options.results:
-        add(options.results, journal.heading, ran)
+        add(options.results, {"commit": git_commit(ROOT), **how}, ran)
     return 1 if broken(ran) else 0
 
 
-def _outcome(journal: JournalFile, one: Cell) -> Outcome:
-    return outcome_of(journal.entries[one.index][1])
+def read_journal(path: Path) -> dict[str, dict[str, object]]:
+    """Return what a journal has of each case, by its words; the journal is made where there is none."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.touch()
+    lines = path.read_text(encoding="utf-8").splitlines()
+    # a line without its end was being written when the campaign was ended
+    return dict(json.loads(text) for text in lines if text.endswith("}]"))
 
 
-def _journal(options: argparse.Namespace) -> JournalFile:
-    if options.print:
-        return JournalFile(options.print)
-    digest = sources_digest(sorted(Path(__file__).parent.glob("*.py")))
-    how = {name: getattr(options, name) for name in ("seed", "branches", "after")}
-    path = options.journal or FOLDER / f"{'-'.join(f'{value:g}' for value in how.values())}-{digest}.jsonl"
-    if options.fresh:
-        path.unlink(missing_ok=True)
-    return JournalFile(path, {"commit": git_commit(ROOT), "sources": digest, **how})
-
-
-def _run(wanted: Sequence[Cell], workers: int, journal: JournalFile, after: float) -> None:
-    """Run those of the `wanted` cases that the `journal` has not."""
-    missing = [one for one in wanted if journal.entries.get(one.index, ("",))[0] != one.words]
-    for one, found in _outcomes(missing, workers, after):
-        journal.add(one.index, one.words, asdict(found))
-        sys.stdout.write(line(one, found) + "\n")
-        sys.stdout.flush()
+def sources_digest() -> str:
+    """Return a digest of the sources that outcomes depend on, by which two commits with changes are distinguished."""
+    digest = hashlib.sha256()
+    folders = [*(ROOT / package for package in PACKAGES), Path(__file__).parent]
+    for path in (path for folder in folders for path in sorted(folder.rglob("*"))):
+        if path.suffix in (".py", ".cpp", ".h", ".yaml") and "test" not in path.parts:
+            digest.update(path.read_bytes())
+    return digest.hexdigest()[:12]
 
 
 def _outcomes(cells: Sequence[Cell], workers: int, after: float) -> Iterator[Ran]:
@@ -137,16 +139,9 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--cases", type=int, default=200, metavar="N", help="so many, from 0 on (default 200)")
     parser.add_argument("--seed", type=int, default=today, metavar="S", help="of the cases (default: of today)")
     parser.add_argument("--branches", type=int, default=BRANCHES, metavar="N", help="faults in copies of one loop")
-    parser.add_argument(
-        "--after", type=float, default=AFTER, metavar="S", help=f"time from the fault on (default {AFTER:g} s)"
-    )
+    parser.add_argument("--after", type=float, default=AFTER, metavar="S", help=f"time watched (default {AFTER:g} s)")
     parser.add_argument("--only", choices=names, metavar="KIND", help="of these, those of a kind of fault or a moment")
     parser.add_argument("--workers", type=int, default=1, metavar="N", help="processes (default 1)")
-    parser.add_argument(
-        "--journal", type=Path, metavar="FILE", help=f"journal (default: one in {FOLDER} for this code)"
-    )
-    parser.add_argument("--fresh", action="store_true", help="begin the journal anew")
-    parser.add_argument("--print", type=Path, metavar="FILE", help="run nothing: print the figures of this journal")
     parser.add_argument("--results", type=Path, metavar="FILE", help="add the results to this file, see `page`")
     return parser
 

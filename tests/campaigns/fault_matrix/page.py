@@ -1,7 +1,7 @@
 """The page of the matrix, made of its results: `python -m tests.campaigns.fault_matrix.page > docs/fault_matrix.md`.
 
-Results stand in `docs/fault_matrix.json`, a table for each campaign: `python -m tests.campaigns.fault_matrix --print
-JOURNAL --results docs/fault_matrix.json` adds one, or takes the place of that of the same commit and seed.
+Results stand in `docs/fault_matrix.json`, a table for each campaign: with `--results docs/fault_matrix.json` a campaign
+adds one, or takes the place of that of the same commit and seed.
 """
 
 from __future__ import annotations
@@ -17,8 +17,8 @@ from typing import Any
 from tests.campaigns.fault_matrix.cases import Cell
 from tests.campaigns.fault_matrix.figures import BARS, COLUMNS, GROUPS, Ran, breaches, cells_of, kept, worst
 from tests.campaigns.fault_matrix.run import Outcome
-from tests.campaigns.journal import ROOT
 
+ROOT = Path(__file__).parents[3]
 RESULTS = ROOT / "docs" / "fault_matrix.json"
 
 NUMBERS = ("named", "rest", "travel", "envelope", "unit", "tension", "slack", "rate")

@@ -4,9 +4,8 @@
     python -m tests.campaigns.mutants --only guard --sample 50 --seed 3
 
 Comparisons, conditions, arithmetic, numbers and statements are changed (`mutations`), in memory only. Every verdict
-goes to the journal at once; what has a verdict for the same text of module and tests is not tried again. With
-`--only-survivors` a change that was caught is not tried again either where tests were added since: they take none away.
-Prints a table and what survived, and ends with status 1 where a module's tests notice less than 90 % of its changes.
+goes to the journal at once; what has a verdict for the same text of module and tests is not tried again. Prints a table
+and what survived, and ends with status 1 where a module's tests notice less than 90 % of its changes.
 """
 
 from __future__ import annotations
@@ -16,14 +15,12 @@ import hashlib
 import json
 import random
 import sys
-import time
 from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
-from typing import Any, NamedTuple
 
 from heave_bringup.progress import ProgressLine
 
-from tests.campaigns.commit import commit_line
+from tests.campaigns.in_process import commit_line
 from tests.campaigns.mutants import compiled, mutations
 from tests.campaigns.mutants.compiled import CompiledJudge
 from tests.campaigns.mutants.judge import ROOT, Judge, Verdict
@@ -36,47 +33,30 @@ LEAST = 0.9
 Tried = list[tuple[Mutation, Verdict]]
 
 
-class Digests(NamedTuple):
-    """Of the text of a module, and of that and its tests."""
-
-    module: str
-    every: str
-
-
 class Journal:
     """The verdicts so far, one a line of a file.
 
     Parameters
     ----------
     path : of the file; made with its folder where there is none
-    keeps_caught : what was caught stays so, whatever has become of the tests
     """
 
-    def __init__(self, path: Path, *, keeps_caught: bool = False) -> None:
-        self._path, self._keeps_caught = path, keeps_caught
+    def __init__(self, path: Path) -> None:
+        self._path = path
         path.parent.mkdir(parents=True, exist_ok=True)
         lines = path.read_text(encoding="utf-8").splitlines() if path.exists() else []
-        self._known: dict[tuple[str, int], Verdict] = {}
-        for entry in map(json.loads, lines):
-            verdict = Verdict(entry["outcome"], entry["by"])
-            self._known[entry["digest"], entry["number"]] = verdict
-            if verdict.is_caught:
-                self._known[entry["module_digest"], entry["number"]] = verdict
+        entries = map(json.loads, lines)
+        self._known = {(one["digest"], one["number"]): Verdict(one["outcome"], one["by"]) for one in entries}
 
-    def get(self, digests: Digests, mutation: Mutation) -> Verdict | None:
-        """Return the verdict on a `mutation` of the texts with these `digests`; None: it has none."""
-        known = self._known.get((digests.every, mutation.number))
-        if known is None and self._keeps_caught:
-            return self._known.get((digests.module, mutation.number))
-        return known
+    def get(self, digest: str, mutation: Mutation) -> Verdict | None:
+        """Return the verdict on a `mutation` of texts with a `digest`; None: it has none."""
+        return self._known.get((digest, mutation.number))
 
-    def add(self, module: str, digests: Digests, mutation: Mutation, verdict: Verdict) -> None:
-        """Note a `verdict` on a `mutation` of a `module`, whose texts have these `digests`."""
-        entry: dict[str, Any] = {"module": module, "digest": digests.every, "module_digest": digests.module}
-        entry |= {"number": mutation.number}
-        entry |= {"change": str(mutation), "outcome": verdict.outcome, "by": verdict.by}
+    def add(self, module: str, digest: str, mutation: Mutation, verdict: Verdict) -> None:
+        """Note a `verdict` on a `mutation` of a `module`, whose texts have a `digest`."""
+        entry = {"module": module, "digest": digest, "number": mutation.number, "change": str(mutation)}
         with self._path.open("a", encoding="utf-8") as file:
-            file.write(json.dumps(entry) + "\n")
+            file.write(json.dumps({**entry, "outcome": verdict.outcome, "by": verdict.by}) + "\n")
 
 
 def judge_of(subject: Subject) -> tuple[Judge | CompiledJudge, list[Mutation]]:
@@ -88,20 +68,16 @@ def judge_of(subject: Subject) -> tuple[Judge | CompiledJudge, list[Mutation]]:
     return judge, mutations.mutations_of(judge.source)
 
 
-def digests_of(judge: Judge | CompiledJudge, subject: Subject) -> Digests:
-    """Return the digests of what a `judge` has of a `subject`."""
+def digest_of(judge: Judge | CompiledJudge, subject: Subject) -> str:
+    """Return a digest of the text of a `subject`, of its tests, and of the rules by which it is changed."""
     rules = "compiled.py" if subject.module.endswith(".cpp") else "mutations.py"
-    texts = [judge.source, Path(__file__).with_name(rules).read_text(encoding="utf-8")]
     tests = [(ROOT / test).read_text(encoding="utf-8") for test in subject.tests]
-    return Digests(_digest(texts), _digest([*texts, *tests]))
-
-
-def _digest(texts: Iterable[str]) -> str:
+    texts = [judge.source, Path(__file__).with_name(rules).read_text(encoding="utf-8"), *tests]
     return hashlib.sha256("\0".join(texts).encode()).hexdigest()[:16]
 
 
 def try_subject(
-    subject: Subject, chosen: Callable[[list[Mutation]], list[Mutation]], journal: Journal, until: float
+    subject: Subject, chosen: Callable[[list[Mutation]], list[Mutation]], journal: Journal
 ) -> Iterator[tuple[int, Tried]]:
     """Judge the mutations of a `subject`, and yield again and again how many there are, and those with a verdict.
 
@@ -110,22 +86,19 @@ def try_subject(
     subject : module and tests
     chosen : returns those that are tried, in their order
     journal : of verdicts
-    until : monotonic time from which on no further one is tried [s]
     """
     judge, every = judge_of(subject)
-    digests = digests_of(judge, subject)
+    digest = digest_of(judge, subject)
     tried: Tried = []
     has_learnt = False
     for mutation in chosen(every):
-        verdict = journal.get(digests, mutation)
+        verdict = journal.get(digest, mutation)
         if verdict is None:
-            if time.monotonic() > until:
-                break
             if not has_learnt:
                 judge.learn()
                 has_learnt = True
             verdict = judge.judge(mutation)
-            journal.add(subject.module, digests, mutation, verdict)
+            journal.add(subject.module, digest, mutation, verdict)
         tried.append((mutation, verdict))
         yield len(every), tried
 
@@ -162,19 +135,16 @@ def main() -> int:
     parser.add_argument("--only", nargs="+", choices=SUBJECTS, default=list(SUBJECTS), help="subjects (default: all)")
     parser.add_argument("--sample", type=int, default=0, help="changes for each module, by chance (default: all)")
     parser.add_argument("--seed", type=int, default=0, help="of the sample (default 0)")
-    parser.add_argument("--budget", type=float, default=240.0, help="time [minutes] (default 240)")
     parser.add_argument("--journal", type=Path, default=Path("runs/mutants.jsonl"), help="file of the verdicts")
-    parser.add_argument("--only-survivors", action="store_true", help="what was caught is not tried again")
     options = parser.parse_args()
 
     def chosen(every: list[Mutation]) -> list[Mutation]:
         order = random.Random(options.seed).sample(every, len(every))
         return order[: options.sample] if options.sample else order
 
-    progress, journal, results = ProgressLine(), Journal(options.journal, keeps_caught=options.only_survivors), {}
-    until = time.monotonic() + 60.0 * options.budget
+    progress, journal, results = ProgressLine(), Journal(options.journal), {}
     for name in options.only:
-        for count, tried in try_subject(SUBJECTS[name], chosen, journal, until):
+        for count, tried in try_subject(SUBJECTS[name], chosen, journal):
             results[name] = (count, tried)
             progress.show(f"{name}: {len(tried)} of {min(options.sample or count, count)}")
     progress.close()

@@ -125,3 +125,23 @@ def first_harmonic(times: Array, values: Array, frequency: float) -> tuple[float
         columns += [np.sin(k * frequency * times), np.cos(k * frequency * times)]
     fit = np.linalg.lstsq(np.array(columns).T, values, rcond=None)[0]
     return float(fit[0]), float(math.hypot(fit[1], fit[2])), math.atan2(fit[2], fit[1])
+
+
+def lower(
+    plant: CableDynamics, motion: Callable[[float], PointMotion], speed: float, stop: float, tick: float
+) -> tuple[Array, Array]:
+    """Lower a plant at rest at `speed` [m/s], reached in 5 s, to a length `stop` [m]; `motion` is its top's, by time.
+
+    Return, at the end of each tick, lengths [m] and positions of the unit [m].
+    """
+    lengths: list[float] = []
+    units: list[Array] = []
+    payout = rate = 0.0
+    for k in range(int((stop - plant.unstretched_length) / speed / tick)):
+        new = speed * min((k + 1) * tick / 5.0, 1.0)
+        after = payout + 0.5 * tick * (rate + new)
+        plant.advance(tick, motion(k * tick), motion((k + 1) * tick), payout, rate, after, new)
+        payout, rate = after, new
+        lengths.append(plant.unstretched_length)
+        units.append(plant.unit_position)
+    return np.array(lengths), np.array(units)
