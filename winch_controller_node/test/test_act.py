@@ -1,11 +1,9 @@
 """The acting half of a tick in the core: what leaves is what was commanded, and nothing is allocated for it."""
 
-import numpy as np
 import pytest
 from heave_bringup.closed_loop import ClosedLoop, loop_parameters
 from heave_bringup.scenarios import load_scenario
 from heave_core.law_table import ACT_DONE, COMMAND
-from heave_core.library import READING_NAMES
 
 from tests.allocation import allocates
 
@@ -39,26 +37,6 @@ def test_a_drive_makes_the_commanded_speed_of_the_order_wherever_its_payout_is(g
         assert order.payout_rate + gain * (order.payout - ahead) == pytest.approx(wanted, abs=1e-9)
         assert done["own_rate"] + gain * (done["own_payout"] - made["payout"]) == pytest.approx(wanted, abs=1e-9)
         assert made["value"] == made["compensating"] + made["mean"]
-
-
-def test_what_the_envelope_takes_off_an_order_is_taken_off_what_the_loop_goes_by():
-    loop = settled()
-    command, ordered = loop.controller._command, loop.controller.envelope.records["readings"]
-    leave, asked = command.leave, []
-
-    def leave_wild():
-        ordered[READING_NAMES.index("rate")] += 3.0
-        asked.append((ordered[READING_NAMES.index("rate")], command.last.governed.value))
-        return leave()
-
-    command.leave = leave_wild
-    outputs, _ = loop.step()
-    ((rate, value),) = asked
-    assert numbers_of(ACT_DONE, command._acting.done)["is_replaced"]
-    assert abs(outputs.order.payout_rate) < rate - 1.0
-    assert command.last.governed.value == pytest.approx(value + outputs.order.payout_rate - rate, abs=1e-9)
-    assert "envelope" in command.last.governed.active
-    assert np.isfinite(outputs.order[:3]).all()
 
 
 def test_nothing_is_allocated_from_the_command_to_the_order_that_leaves():

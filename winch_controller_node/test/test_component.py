@@ -1,7 +1,6 @@
 """The whole loop without ROS on the two-state plant, short: sea, vessel, winch, sensors, controller."""
 
 import dataclasses
-import itertools
 import math
 from functools import lru_cache
 
@@ -13,10 +12,8 @@ from cable_sim_node.winch.parameters import WinchParameters
 from heave_bringup.closed_loop import COLUMNS, ClosedLoop, LoopParameters
 from heave_bringup.closed_loop import loop_parameters as parameters_of
 from heave_bringup.scenarios import load_scenario
-from heave_core.modes_table import SUPERVISED, Happened
-from heave_core.watch_table import Landed
 from heave_node.interface.alarm import Severity
-from heave_node.interface.codes import SensorLevel, WinchFault
+from heave_node.interface.codes import WinchFault
 from heave_node.interface.faults import FaultParameters
 from heave_node.interface.sensors import MruReading
 from heave_node.parameters import build_parameters
@@ -29,7 +26,6 @@ from winch_controller_node.interface.readings import Measurements, ScalarReading
 from winch_controller_node.model.lqr import DesignError
 from winch_controller_node.node_parameters import WinchControllerParameters
 
-HAPPENED = [row.name for row in SUPERVISED.rows].index("happened")
 DT = 0.05
 INERTIA, DAMPING = 7.339769, 0.1906759
 """The 900 m system of thesis 6.2.6 as identified there."""
@@ -132,27 +128,6 @@ def test_two_loops_of_one_seed_are_equal_to_the_last_bit_and_another_seed_differ
     assert np.any(one.rows != other.rows)
 
 
-def test_a_frozen_mru_is_named_within_three_samples_and_the_unit_is_damped_without_it_and_without_a_jerk():
-    sea = mru_fault("freeze", 40.0, 100.0)
-    health = {}
-
-    def watch(tick, outputs):
-        health[tick] = {sensor.sensor: sensor for sensor in outputs.report.sensors}["mru"]
-
-    record = ClosedLoop(loop_parameters(sea=sea, duration=70.0)).run(watch)
-    first = min(
-        tick for tick, sensor in health.items() if (sensor.level, sensor.reason) == (SensorLevel.LOST, "frozen")
-    )
-    assert first * DT - 40.0 <= 3 * DT + 1e-9
-    assert record.modes[-1] == "fade_out"
-    told = {alarm.name: alarm.values for _, alarm in record.alarms}
-    assert "SENSOR_LOST, MRU: frozen" in told
-    assert told["COMPENSATION_LOST"]["mode"] == "fade_out"
-    assert told["COMPENSATION_LOST"]["reason"].startswith("mru frozen; compensation resumes automatically")
-    rates = record.column("payout_rate")
-    assert np.max(np.abs(np.diff(rates))) <= 1.5 * DT + 1e-9
-
-
 def record_with_encoder_fault(kind, start, magnitude, *, duration):
     """Return the record of a run in which the encoder has a fault from `start` [s] to the end."""
     parameters = loop_parameters(duration=duration)
@@ -160,15 +135,6 @@ def record_with_encoder_fault(kind, start, magnitude, *, duration):
     encoder = dataclasses.replace(parameters.winch.encoder, faults=fault)
     winch = dataclasses.replace(parameters.winch, encoder=encoder)
     return ClosedLoop(dataclasses.replace(parameters, winch=winch)).run()
-
-
-def test_an_encoder_jump_raises_an_alarm_within_three_samples_and_does_not_move_the_unit():
-    record = record_with_encoder_fault("jump", 50.0, 0.2, duration=70.0)
-    ((time, alarm),) = [one for one in record.alarms if one[1].name == "SENSOR_DOUBTFUL, ENCODER: jump"]
-    assert 0.0 <= time - 50.0 <= 3 * DT
-    assert alarm.values["jump"] == pytest.approx(0.2, abs=0.005)
-    # benchmark B3's 0.5 cm, before as after
-    assert record.unit_sigma(45.0) < 0.005
 
 
 @pytest.mark.parametrize(("winch", "jump"), [("position loop", -8.0), ("first order", 2.0)])
@@ -211,13 +177,6 @@ def test_a_load_cell_in_use_is_heard_also_where_the_weight_of_the_unit_is_not_kn
     assert record.unit_sigma(45.0) < 0.005
 
 
-def test_a_short_gap_of_the_mru_does_not_end_compensation():
-    sea = mru_fault("gap", 50.0, 1.0)
-    record = ClosedLoop(loop_parameters(sea=sea, duration=70.0)).run()
-    assert record.modes[-1] == "compensating"
-    assert "fade_out" not in record.modes
-
-
 @pytest.mark.parametrize(("sensors", "is_known"), [(("mru", "encoder"), False), (("mru", "depth", "encoder"), True)])
 def test_the_units_motion_is_not_told_where_no_sensor_tells_it(sensors, is_known):
     """Stopped without its MRU, a unit swings with the vessel. Without a depth sensor nothing says by how much."""
@@ -242,28 +201,6 @@ def lost_commands(start: float, duration: float) -> LoopParameters:
     return dataclasses.replace(parameters, winch=dataclasses.replace(parameters.winch, faults=faults))
 
 
-def loop_with_lost_commands(start: float, duration: float) -> ClosedLoop:
-    return ClosedLoop(lost_commands(start, duration))
-
-
-def test_commands_that_are_late_for_a_moment_do_not_end_compensation():
-    record = loop_with_lost_commands(40.0, 0.3).run()
-    assert set(record.modes[round(20.0 / DT) :]) == {"compensating"}
-
-
-def test_after_a_hiccup_that_trips_the_watchdog_compensation_is_back_within_a_minute():
-    """1 s without commands, twice the winch's watchdog of 0.5 s."""
-    loop = loop_with_lost_commands(40.0, 1.0)
-    record = loop.run()
-    assert "stopped" in record.modes
-    assert set(record.modes[round(50.0 / DT) :]) == {"compensating"}
-    assert loop.winch.state.fault is WinchFault.NONE
-    assert record.unit_sigma(75.0) < 0.005, "as before: the swing that the sudden stop has left is taken out"
-    (lost,) = [alarm for _, alarm in record.alarms if alarm.name == "COMPENSATION_LOST"]
-    assert lost.values["reason"].startswith("winch fault: command timeout: ")
-    assert lost.values["reason"].endswith("resumes automatically 3 s after commands reach the winch again")
-
-
 def test_a_latched_fault_is_left_also_where_states_of_the_winch_miss_their_tick():
     """As above, on a machine under load: one state in three comes a tick late, together with the next."""
     loop = ClosedLoop(dataclasses.replace(lost_commands(50.0, 1.0), duration=65.0))
@@ -275,21 +212,6 @@ def test_a_latched_fault_is_left_also_where_states_of_the_winch_miss_their_tick(
     assert "stopped" in record.modes
     assert set(record.modes[round(60.0 / DT) :]) == {"compensating"}
     assert loop.winch.state.fault is WinchFault.NONE
-
-
-def test_a_hiccup_while_a_lost_sensor_fades_compensation_out_does_not_park_the_winch():
-    """The whole machine stalls: the MRU is silent for 3 s, and the winch without commands for 1 s of them."""
-    parameters = lost_commands(52.0, 1.0)
-    sea = build_parameters(
-        WaveVesselParameters,
-        {"significant_wave_height": 1.5, "peak_period": 10.0, "ramp": 20.0} | mru_fault("gap", 50.0, 3.0),
-        where="test",
-    )
-    loop = ClosedLoop(dataclasses.replace(parameters, sea=sea, duration=80.0))
-    record = loop.run()
-    assert {"fade_out", "stopped"} <= set(record.modes)
-    assert loop.winch.state.fault is WinchFault.NONE
-    assert set(record.modes[round(75.0 / DT) :]) == {"compensating"}
 
 
 def test_an_emergency_stop_brakes_within_the_deceleration_of_the_winch():
@@ -308,24 +230,6 @@ def test_an_emergency_stop_brakes_within_the_deceleration_of_the_winch():
     assert loop.winch.state.fault is WinchFault.NONE
 
 
-@pytest.mark.parametrize("mode", ["standby", "stopped"])
-def test_a_requested_stop_leaves_the_unit_no_more_than_its_uncompensated_swing(mode):
-    """A winch that stops within a second lets a heavy unit go at any phase: it then swings by up to twice as much."""
-    loop = ClosedLoop(loop_parameters(duration=60.0, **{"modes.fade_out_time": 10.0}))
-    for _ in range(600):
-        loop.step()
-    loop.controller.set_mode(mode)
-    rows, modes = [], []
-    for _ in range(1200):
-        outputs, row = loop.step()
-        rows.append(row)
-        modes.append(outputs.report.mode)
-    assert list(dict.fromkeys(modes)) == ["fade_out", "stopping", mode]
-    unit, uncompensated = np.array(rows)[:, 2], np.array(rows)[:, 3]
-    # 10 % for the swing of its own that a fade within one wave leaves
-    assert np.std(unit) < 1.1 * np.std(uncompensated)
-
-
 def test_a_move_lowers_the_unit_while_it_is_compensated():
     loop = ClosedLoop(loop_parameters(duration=60.0))
     for _ in range(500):
@@ -339,57 +243,6 @@ def test_a_move_lowers_the_unit_while_it_is_compensated():
     (outputs, _), drum = loop.step(), loop.winch.state
     assert outputs.order.payout == pytest.approx(drum.payout, abs=0.35 * 0.5 + 0.1)
     assert np.std(rows[-200:, 2]) < 0.01
-
-
-def test_an_operator_lowers_the_unit_while_it_is_compensated_and_a_joystick_that_falls_silent_stops_it():
-    loop = ClosedLoop(loop_parameters(duration=60.0))
-    for _ in range(500):
-        loop.step()
-    controller = loop.controller
-    rows = []
-    for _ in range(200):
-        controller.operate(0.4)
-        rows.append(loop.step()[1])
-    # at 3.5 % of 1.5 m/s^2 it is there after 8 s, and the ease of 2 s at either end
-    assert controller.mean.point.rate == pytest.approx(0.4, abs=0.08)
-    rows += [loop.step()[1] for _ in range(600)]
-    assert controller.mean.point.rate == 0.0
-    rows = np.array(rows)
-    # benchmark B3's 0.5 cm twice, while the mean comes to rest
-    assert np.std((rows[:, 2] + rows[:, COLUMNS.index("depth_set_point")])[500:]) < 0.01
-    assert np.max(np.abs(np.diff(rows[:, 5]))) <= 1.5 * DT + 1e-9
-    told = []
-    for _ in range(350):
-        controller.operate(5.0)
-        told += loop.step()[0].alarms
-    # 30 % of 2 m/s are the operator's
-    assert controller.mean.point.rate == pytest.approx(0.3 * 2.0, abs=0.02)
-    (limited,) = [alarm for alarm in told if alarm.name == "OPERATOR_SPEED_LIMITED"]
-    assert limited.values["limit"] == pytest.approx(0.6)
-
-
-def test_manual_speed_moves_the_winch_alone_and_stops_before_the_end_of_its_range():
-    belief = {"modes.start": "standby", "winch.payout_maximum": 15.0}
-    parameters = loop_parameters(duration=60.0, height=0.01, **belief)
-    loop = ClosedLoop(dataclasses.replace(parameters, winch=WinchParameters(payout_maximum=15.0)))
-    for _ in range(100):
-        loop.step()
-    controller = loop.controller
-    with pytest.raises(ModeError, match="needs mode compensating or manual; the mode is standby"):
-        controller.operate(0.3)
-    controller.set_mode("manual")
-    rows = []
-    for _ in range(1000):
-        controller.operate(0.6)
-        rows.append(loop.step()[1])
-    rows = np.array(rows)
-    # 15 m less the margin of 1 m
-    assert rows[-1, 4] == pytest.approx(14.0, abs=0.5)
-    assert np.max(rows[:, 4]) < 14.0 + 0.05
-    assert np.max(rows[:, 5]) == pytest.approx(0.6, abs=0.01)
-    controller.set_mode("stopped")
-    modes = [loop.step()[0].report.mode for _ in range(40)]
-    assert modes[-1] == "stopped"
 
 
 def test_compensation_that_cannot_begin_now_is_refused_to_an_operator_and_does_not_begin_later():
@@ -466,78 +319,56 @@ def with_field(measurements, part, field, value):
 
 
 @pytest.mark.parametrize("value", [1e300, -1e160, 1e9])
-@pytest.mark.parametrize(("part", "field"), IMPOSSIBLE)
-def test_one_number_that_cannot_be_is_refused_and_named_and_compensation_goes_on(part, field, value):
-    """Its square is infinite, or a running mean never gets rid of it. All errors of the MRU are estimated."""
+def test_a_number_that_cannot_be_is_refused_and_named_in_every_field_and_compensation_goes_on(value):
+    """Its square is infinite, or a running mean never gets rid of it. All errors of the MRU are estimated.
+
+    A second lies between two of them.
+    """
     sensors = "winch_controller.sensors"
     used = ["mru", "depth", "encoder", "velocity", "imu", "load_cell"]
     errors = [f"{sensors}.mru.{name}=0.1" for name in ("lever_arm_sigma", "scale_sigma", "bias_sigma")]
     fitted = [f"cable_sim.sensors.{name}.fitted=true" for name in ("velocity", "imu")]
     settings = ["all.duration=60", f"{sensors}.use={used}", *errors, *fitted]
-    scenario = load_scenario("b2_calm_300", settings=settings)
-    loop = ClosedLoop(parameters_of(scenario))
-    step, codes, given = loop.controller.step, set(), []
+    loop = ClosedLoop(parameters_of(load_scenario("b2_calm_300", settings=settings)))
+    step, waiting, codes = loop.controller.step, list(IMPOSSIBLE), set()
 
     def impossible(tick, measurements):
-        if tick < 800 or given or (changed := with_field(measurements, part, field, value)) == measurements:
+        due = 800 + 20 * (len(IMPOSSIBLE) - len(waiting))
+        if tick < due or not waiting or (changed := with_field(measurements, *waiting[0], value)) == measurements:
             return step(tick, measurements)
-        given.append(tick)
+        waiting.pop(0)
         return step(tick, changed)
 
     loop.controller.step = impossible
-    for _ in range(900):
+    for _ in range(800 + 20 * len(IMPOSSIBLE) + 100):
         outputs, _ = loop.step()
         codes |= {alarm.name for alarm in outputs.alarms}
         assert np.isfinite([*outputs.report.estimate, outputs.order.payout, outputs.order.payout_rate]).all()
-    name = "encoder" if part == "winch" else part
-    reason = "accuracy" if field.endswith("sigma") else "one reading"
-    assert f"SENSOR_DOUBTFUL, {name.upper()}: {reason}" in codes
+    assert not waiting
+    for part, field in IMPOSSIBLE:
+        name = "encoder" if part == "winch" else part
+        reason = "accuracy" if field.endswith("sigma") else "one reading"
+        assert f"SENSOR_DOUBTFUL, {name.upper()}: {reason}" in codes
     assert outputs.mode == "compensating"
     assert abs(float(loop.controller.observer.state[0]["mean_tension"]["filtered"])) < 1e6
 
 
-def test_redesign_for_another_sea_goes_on_without_a_step():
+@pytest.mark.parametrize("sea", [{"significant_wave_height": 3.0, "peak_period": 8.0}, {}], ids=["another", "same"])
+def test_a_redesign_goes_on_without_a_step(sea):
+    """The operator's service with zeros, "as assumed", and an adviser that finds nominal values ask for the same sea.
+
+    Two commands a tick apart differ by what the sea asks for: speed servo and sea stay below 1.5 m/s^2.
+    """
     loop = ClosedLoop(loop_parameters(duration=60.0))
     for _ in range(500):
         before, _ = loop.step()
     parameters = loop.controller.parameters
-    sea = dataclasses.replace(parameters.sea, significant_wave_height=3.0, peak_period=8.0)
-    loop.controller.redesign(dataclasses.replace(parameters, sea=sea))
-    after, _ = loop.step()
-    # two commands a tick apart differ by what the sea asks for: speed servo and sea stay below 1.5 m/s^2
-    assert abs(after.order.payout_rate - before.order.payout_rate) < 0.2
-    assert after.report.mode == "compensating"
-
-
-def test_redesign_for_what_is_assumed_already_goes_on_without_a_step():
-    """The operator's service with zeros, "as assumed", and an adviser that finds nominal values ask for just that."""
-    loop = ClosedLoop(loop_parameters(duration=60.0))
-    for _ in range(500):
-        before, _ = loop.step()
-    loop.controller.redesign(loop.controller.parameters)
+    loop.controller.redesign(dataclasses.replace(parameters, sea=dataclasses.replace(parameters.sea, **sea)))
     for _ in range(20):
         after, _ = loop.step()
         assert abs(after.order.payout_rate - before.order.payout_rate) < 0.2
         before = after
     assert after.report.mode == "compensating"
-
-
-def test_a_winch_other_than_believed_is_found_out_and_driven_to_its_limits_as_if_it_were_known():
-    """Servo half as slow, 0.04 s more delay, in a sea that takes the winch to its acceleration limit of 1.5 m/s^2."""
-    parameters = loop_parameters(height=3.0, duration=90.0)
-    quick = WinchParameters(time_constant=0.08, command_delay=0.24)
-    loop = ClosedLoop(dataclasses.replace(parameters, winch=quick))
-    record = loop.run()
-    found = loop.controller.parameters.winch
-    assert (found.time_constant, found.command_delay) == pytest.approx((0.08, 0.24), abs=0.01)
-    assert "WINCH_MODEL_UPDATED" in {alarm.name for _, alarm in record.alarms}
-    belief = dataclasses.replace(parameters.controller.winch, time_constant=0.08, command_delay=0.24)
-    known = dataclasses.replace(
-        parameters, winch=quick, controller=dataclasses.replace(parameters.controller, winch=belief)
-    )
-    as_known = ClosedLoop(known).run()
-    assert np.max(np.abs(as_known.column("payout_acceleration"))) > 0.99 * 1.5
-    assert record.unit_sigma(45.0) < 1.1 * as_known.unit_sigma(45.0)
 
 
 def test_an_identified_winch_that_cannot_be_designed_for_is_an_alarm_and_the_loop_goes_on(monkeypatch):
@@ -556,21 +387,6 @@ def test_an_identified_winch_that_cannot_be_designed_for_is_an_alarm_and_the_loo
 
 def test_a_winch_as_believed_is_left_alone(run_by):
     assert "WINCH_MODEL_UPDATED" not in {alarm.name for _, alarm in run_by("mpc").alarms}
-
-
-@pytest.mark.parametrize(("time_constant", "delay"), [(0.15, 0.2), (0.08, 0.25), (0.08, 0.237)])
-def test_limits_are_kept_as_well_with_a_delay_within_a_tick(time_constant, delay):
-    """A servo and a delay of some 0.33 s in all, at the acceleration limit: how they share it must not matter."""
-    parameters = loop_parameters(height=3.0, duration=70.0)
-    belief = dataclasses.replace(parameters.controller.winch, time_constant=time_constant, command_delay=delay)
-    record = ClosedLoop(
-        dataclasses.replace(
-            parameters,
-            winch=WinchParameters(time_constant=time_constant, command_delay=delay),
-            controller=dataclasses.replace(parameters.controller, winch=belief),
-        )
-    ).run()
-    assert record.unit_sigma(30.0) < 0.1 * record.uncompensated_sigma(30.0)
 
 
 @pytest.mark.parametrize(("law", "plans"), [("lqg", True), ("mpc", True), ("lqr", False), ("feedforward", False)])
@@ -604,63 +420,11 @@ def test_a_lost_loop_is_given_up_before_the_unit_swings_and_the_winch_comes_to_r
     assert np.max(np.abs(np.diff(record.column("payout_rate")))) <= 1.5 * DT + 1e-9
 
 
-def test_a_transport_slower_than_any_loop_bears_is_known_before_the_winch_moves():
-    """0.4 s late: the winch says with every state which command it has taken."""
-    parameters = loop_parameters(duration=40.0, **{"lag.adaptation": False})
-    record = ClosedLoop(dataclasses.replace(parameters, winch=WinchParameters(command_delay=0.6))).run()
-    late = [alarm.values["delay"] for _, alarm in record.alarms if alarm.name == "COMMANDS_TOO_LATE"]
-    assert late == [pytest.approx(0.4)]
-    assert set(record.modes) == {"standby"}
-    assert np.all(record.column("payout") == 0.0)
-
-
-def test_a_motion_reference_unit_of_the_wrong_sign_is_contradicted_by_the_depth_sensor():
-    loop = ClosedLoop(loop_parameters(duration=150.0, **{"modes.settling_time": 20.0, "modes.fade_in_time": 10.0}))
-    step = loop.controller.step
-
-    def upside_down(tick, measured):
-        mru = tuple(m._replace(heave=-m.heave, heave_rate=-m.heave_rate) for m in measured.mru)
-        return step(tick, dataclasses.replace(measured, mru=mru))
-
-    loop.controller.step = upside_down
-    record = loop.run()
-    codes = {alarm.name for _, alarm in record.alarms}
-    assert "DEPTH_MRU_DISAGREE" in codes, "neither is known to be the culprit"
-    # it is never tried again: no less than 100 s were enough for the first hold time of 60 s
-    assert record.modes[-1] == "standby"
-    assert record.unit_sigma(20.0) < 1.2 * record.uncompensated_sigma(20.0)
-
-
 def test_the_regulator_of_the_unit_alone_compensates_and_does_no_harm_where_it_takes_the_winch_to_its_limits():
     """Without limits it would leave 12 % here (stationary prediction); its authority is what the winch bears."""
     record = ClosedLoop(loop_parameters(law="lqr", duration=110.0)).run()
     assert not {alarm.name for _, alarm in record.alarms} & HARMFUL
     assert record.unit_sigma(60.0) < 0.5 * record.uncompensated_sigma(60.0)
-
-
-def test_compensation_begins_again_at_once_after_an_emergency_stop_and_takes_out_the_swing_that_it_left():
-    """The winch stops suddenly: to the uncompensated motion of the unit comes a free swing of 17 s."""
-    loop = ClosedLoop(loop_parameters(duration=90.0))
-    outputs, rows = [], []
-    while loop.tick * DT < 90.0:
-        if loop.tick == round(30.0 / DT):
-            loop.controller.set_mode("emergency_stop")
-        if loop.tick == round(33.0 / DT):
-            loop.controller.set_mode("compensating")
-        output, row = loop.step()
-        outputs.append(output)
-        rows.append(row)
-    modes = [name for name, _ in itertools.groupby(output.mode for output in outputs)]
-    assert modes == ["standby", "compensating", "emergency_stop", "standby", "compensating"]
-    assert not {alarm.name for output in outputs for alarm in output.alarms} & HARMFUL
-    # benchmark B3's 0.5 cm, as before the stop
-    assert np.std(np.array(rows)[-300:, 2]) < 0.005
-
-
-def test_a_known_position_loop_of_the_winch_costs_little(run_by):
-    parameters = loop_parameters(duration=70.0, **{"winch.position_gain": 0.5})
-    record = ClosedLoop(dataclasses.replace(parameters, winch=WinchParameters(position_gain=0.5))).run()
-    assert record.unit_sigma(45.0) < 1.2 * run_by("mpc").unit_sigma(45.0)
 
 
 def test_the_mean_moves_and_a_stopped_winch_stays_under_a_position_loop():
@@ -733,11 +497,6 @@ def test_an_encoder_that_counts_from_elsewhere_is_none_at_fault(zero):
     assert record.unit_sigma(45.0) < 0.005
 
 
-def test_an_encoder_that_reads_no_numbers_from_the_start_is_told_as_such():
-    record = record_with_encoder_fault("nan", 0.0, 0.0, duration=5.0)
-    assert "SENSOR_LOST, ENCODER: nan" in {alarm.name for _, alarm in record.alarms}
-
-
 def test_one_reading_of_the_encoder_alone_does_not_say_where_the_drum_stands():
     loop = ClosedLoop(loop_parameters(duration=70.0))
     step, is_first = loop.controller.step, iter([True])
@@ -767,7 +526,7 @@ def test_the_thesis_system_is_compensated_and_the_guard_leaves_it_alone():
     assert record.unit_sigma(60.0) < 0.01 * record.uncompensated_sigma(60.0)
 
 
-def test_a_first_order_winch_moves_the_unit_while_it_compensates():
+def test_a_first_order_winch_moves_the_unit_while_it_compensates_and_stops():
     """The speed that its command makes was missing in the swing that is to be taken out: 2 m became 1, and `harm`."""
     loop = ClosedLoop(thesis_parameters())
     for _ in range(800):
@@ -779,16 +538,9 @@ def test_a_first_order_winch_moves_the_unit_while_it_compensates():
     rows = np.array([row for _, row in after[-200:]])
     assert np.mean(rows[:, 2]) - before == pytest.approx(-2.0, abs=0.05)
     assert np.std(rows[:, 2]) < 0.01 * np.std(rows[:, 3])
-
-
-def test_a_first_order_winch_comes_to_rest_and_is_braked():
-    loop = ClosedLoop(thesis_parameters())
-    for _ in range(800):
-        loop.step()
     loop.controller.set_mode("stopped")
-    modes = [loop.step()[0].report.mode for _ in range(400)]
-    assert modes[0] == "fade_out"
-    assert modes[-1] == "stopped"
+    modes = [loop.step()[0].report.mode for _ in range(600)]
+    assert (modes[0], modes[-1]) == ("fade_out", "stopped")
 
 
 def test_what_is_reported_of_a_tick_is_of_that_tick_while_the_mean_moves():
@@ -805,27 +557,6 @@ def test_what_is_reported_of_a_tick_is_of_that_tick_while_the_mean_moves():
         assert report.predicted_unit_heave == pytest.approx(float(expected), abs=1e-12)
 
 
-def test_a_change_from_constant_tension_to_compensation_makes_no_step_in_the_command():
-    """Speed servo and sea stay below the winch's 1.5 m/s^2; the estimate is counted from another mean in that tick."""
-    loop = ClosedLoop(loop_parameters(duration=60.0, law="lqg", **{"tension.hanging": True}))
-    for _ in range(600):
-        loop.step()
-    loop.controller.set_mode("constant_tension")
-    for _ in range(600):
-        before = loop.step()[0]
-    loop.controller.set_mode("compensating")
-    after, reported = [], []
-    for _ in range(4):
-        outputs, _ = loop.step()
-        after.append(outputs)
-        reported.append(np.array(outputs.report.estimate))
-    payout = loop.controller.design.model.state("payout")
-    # what the report of the tick calls the payout goes on in the next one
-    assert abs(reported[1][payout] - reported[0][payout]) < 0.1
-    rates = [before.order.payout_rate, *(outputs.order.payout_rate for outputs in after)]
-    assert np.max(np.abs(np.diff(rates))) < 0.3
-
-
 @pytest.mark.parametrize("law", ["lqg", "mpc"])
 def test_compensation_begins_without_a_step_in_the_command(law):
     """Authority is 0 in the first tick: the unit is to go on as it does, and that asks for no motion of the winch."""
@@ -836,34 +567,6 @@ def test_compensation_begins_without_a_step_in_the_command(law):
         if outputs.report.mode == "compensating":
             rates.append(outputs.order.payout_rate)
     assert abs(rates[0]) < 1e-3
-
-
-def test_a_touchdown_while_the_mru_is_lost_for_a_moment_is_acted_upon(monkeypatch):
-    controller = WinchController(loop_parameters().controller, tick_period=DT)
-    loop = ClosedLoop(loop_parameters(duration=60.0))
-    loop.take_controller(controller)
-    for _ in range(450):
-        loop.step()
-    assert controller.mode.value == "compensating"
-    step = controller.step
-
-    def without_mru(tick, measured):
-        return step(tick, dataclasses.replace(measured, mru=()))
-
-    monkeypatch.setattr(controller, "step", without_mru)
-    supervisor, supervise = controller._supervisor, controller._supervisor._supervise
-
-    def touches_down(*given):
-        supervise(*given)
-        if not supervisor.landing.unit_stands:
-            supervisor.landing.unit_stands = True
-            supervisor.landing.core.state["event"] = int(Landed.TOUCHDOWN)
-            supervisor._done[HAPPENED] += int(Happened.UNIT_EVENT)
-
-    monkeypatch.setattr(supervisor, "_supervise", touches_down)
-    outputs = [loop.step()[0] for _ in range(6)]
-    assert "TOUCHDOWN" in {alarm.name for outputs_ in outputs for alarm in outputs_.alarms}
-    assert controller.mode.value == "constant_tension"
 
 
 def test_constant_tension_begins_at_the_measured_tension_each_time():
@@ -894,23 +597,6 @@ def test_constant_tension_refuses_a_hanging_unit_and_says_what_to_do():
     ):
         loop.controller.set_mode("constant_tension")
     assert loop.step()[0].report.mode == "compensating"
-
-
-@pytest.mark.parametrize(("height", "period"), [(1.5, 10.0), (3.0, 10.0), (3.0, 14.0)])
-def test_constant_tension_refuses_a_hanging_unit_at_whatever_instant_of_a_wave_under_a_brake(height, period):
-    """The cable carries the weight on average, and from nothing to twice of it within a wave."""
-    loop = ClosedLoop(loop_parameters(height=height, period=period, duration=150.0, law="lqg"))
-    controller = loop.controller
-    controller.set_mode("stopped")
-    tension = []
-    for tick in range(1600):
-        tension.append(loop.step()[1][7])
-        if tick > 600 and tick % 4 == 0:
-            with pytest.raises(ModeError, match="the load is suspended: "):
-                controller.set_mode("constant_tension", 50e3)
-    share = 1.0 + (np.array(tension[600:]) - controller.design.cable.static_tension) / controller.design.unit_weight
-    assert np.min(share) < 0.5
-    assert np.max(share) > 1.5
 
 
 def test_a_hanging_unit_at_constant_tension_travels_no_further_than_its_bound_and_that_is_an_alarm():

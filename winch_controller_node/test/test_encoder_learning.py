@@ -3,22 +3,19 @@
 Its unit swings by 0.3 m (1 sigma) where it is let be; it compensates from 23 s on.
 """
 
-from functools import lru_cache
-from typing import NamedTuple
+import itertools
 
 import numpy as np
 import pytest
-from heave_bringup.closed_loop import ClosedLoop, LoopRecord, loop_parameters
+from heave_bringup.closed_loop import ClosedLoop, loop_parameters
 from heave_bringup.scenarios import load_scenario
-from heave_node.interface.alarm import Alarm, Severity
-from winch_controller_node.interface.readings import Report
+from heave_node.interface.alarm import Severity
 
 TICK = 0.05
 END = 125.0
 MOVES = 0.01
 """A drum that is faster than this moves [m/s]."""
 
-WHO = ["winch", "encoder"]
 TURNED_OVER = {"kind": ["scale"], "start": [0.0], "duration": [0.0], "magnitude": [-1.0]}
 
 
@@ -36,74 +33,38 @@ def loop_of(who, duration=END):
     return loop
 
 
-class Run(NamedTuple):
-    """What `run_of` returns."""
-
-    record: LoopRecord
-    reports: list[Report]
-    answer: str
-    modes: list[str]
-    alarms: list[Alarm]
+def changes(modes):
+    """Return modes without repetitions."""
+    return [mode for mode, _ in itertools.groupby(modes)]
 
 
-@lru_cache
-def run_of(who):
-    """Return a run: its record and reports; the answer to an operator who asks again; modes and alarms of a minute."""
+@pytest.mark.parametrize("who", ["winch", "encoder"])
+def test_a_winch_that_goes_the_other_way_is_stopped_within_three_seconds_and_tried_again_only_on_request(who):
+    """The envelope brakes a drum whose count runs against what was sent, where it sees that before it is at rest."""
     loop, reports = loop_of(who), []
     record = loop.run(lambda _, outputs: reports.append(outputs.report))
-    modes, alarms = [], []
-    answer = loop.controller.ask_for_mode("compensating")
-    for _ in range(round(60.0 / TICK)):
-        outputs, _ = loop.step()
-        modes += [] if modes[-1:] == [outputs.mode] else [outputs.mode]
-        alarms += outputs.alarms
-    return Run(record, reports, answer, modes, alarms)
-
-
-def modes_of(record):
-    return [mode for mode, was in zip(record.modes, ["", *record.modes[:-1]], strict=True) if mode != was]
-
-
-@pytest.mark.parametrize("who", WHO)
-def test_a_winch_that_goes_the_other_way_is_stopped_within_three_seconds_of_motion(who):
-    record = run_of(who).record
-    moving = record.column("time")[np.abs(record.column("payout_rate")) > MOVES]
-    assert len(moving) > 0
-    assert moving[-1] - moving[0] < 3.0
-    *before, end = modes_of(record)
-    assert before == ["standby", "compensating", "fade_out", "stopping"]
-    # the envelope brakes a drum whose count runs against what was sent, where it sees that before the winch is at rest
-    assert end == {"winch": "standby", "encoder": "stopped"}[who]
-    # the finding is reported once, and compensation is not tried again by itself
-    assert [alarm.name for _, alarm in record.alarms].count("DRUM_OR_ENCODER: reversed") == 1
-
-
-@pytest.mark.parametrize("who", WHO)
-def test_a_winch_that_goes_the_other_way_is_tried_again_once_an_operator_asks(who):
-    """It is no better, and is stopped again, by the envelope where that comes first; once right it would go on."""
-    *before, rest = run_of(who).modes
-    assert before in (["standby", "compensating", "fade_out", "stopping"], ["standby", "compensating", "stopping"])
-    assert rest in ("standby", "stopped")
-    assert [alarm.name for alarm in run_of(who).alarms].count("DRUM_OR_ENCODER: reversed") == 1
-
-
-def test_what_stands_beside_it_is_that_it_is_not_tried_again_until_an_operator_asks():
-    """An operator who asks is not refused: only that ends it."""
-    reports = run_of("encoder").reports
-    stopped = max(k for k, report in enumerate(reports) if report.mode == "stopping")
-    stands = [report.reason for report in reports[stopped + 1 :]]
-    assert len(stands) > 60.0 / TICK
-    assert all("count" in reason and "request" in reason for reason in stands)
-    assert run_of("encoder").answer == "standby, on the way to compensating"
-
-
-@pytest.mark.parametrize("who", WHO)
-def test_a_unit_whose_winch_goes_the_other_way_is_never_worse_off(who):
-    record = run_of(who).record
     time, unit, off = (record.column(name) for name in ("time", "unit", "uncompensated"))
+    moving = time[np.abs(record.column("payout_rate")) > MOVES]
+    assert 0.0 < moving[-1] - moving[0] < 3.0
+    *before, end = changes(record.modes)
+    assert before == ["standby", "compensating", "fade_out", "stopping"]
+    assert end in ("standby", "stopped")
     for begin in np.arange(30.0, END - 60.0, 1.0):
         minute = (time >= begin) & (time < begin + 60.0)
         assert np.std(unit[minute]) < 1.05 * np.std(off[minute])
+    # the finding is reported once; what stands beside it until somebody asks is that somebody has to
+    assert [alarm.name for _, alarm in record.alarms].count("DRUM_OR_ENCODER: reversed") == 1
+    stopped = max(k for k, report in enumerate(reports) if report.mode == "stopping")
+    stands = [report.reason for report in reports[stopped + 1 :]]
+    assert len(stands) > 60.0 / TICK
+    assert all("request" in reason for reason in stands)
+    # an operator who asks is not refused; it is no better, and stopped again, by the envelope where that comes first
+    assert loop.controller.ask_for_mode("compensating") == "standby, on the way to compensating"
+    found = [loop.step()[0] for _ in range(round(60.0 / TICK))]
+    *before, rest = changes(outputs.mode for outputs in found)
+    assert before in (["standby", "compensating", "fade_out", "stopping"], ["standby", "compensating", "stopping"])
+    assert rest in ("standby", "stopped")
+    assert [alarm.name for outputs in found for alarm in outputs.alarms].count("DRUM_OR_ENCODER: reversed") == 1
 
 
 def test_a_winch_that_was_set_right_goes_on_once_an_operator_asks():

@@ -1,6 +1,7 @@
 """The guard: what it takes for harm, what it leaves alone, and how it tries again."""
 
 import math
+import re
 
 import numpy as np
 import pytest
@@ -16,6 +17,11 @@ DT = 0.05
 def seen(unit, free, tip, payout_rate=0.0, measured=math.nan, noise=0.0, **more):
     """Return what a guard sees; `unit`, `free` and `tip` are heave [m] and rate [m/s]."""
     return Seen(*unit, *free, *tip, payout_rate, math.nan if measured is None else measured, noise, **more)
+
+
+def figures(words):
+    """Return the whole numbers in `words`."""
+    return [int(one) for one in re.findall(r"\d+", words)]
 
 
 def make_guard():
@@ -66,6 +72,17 @@ def test_after_harm_the_next_attempt_has_half_the_authority_and_one_that_goes_we
     assert guard.residual == pytest.approx(math.sqrt(0.5), abs=0.01)
     feed_guard(guard, 0.005, 0.5, 130.0)
     assert guard.authority_limit == 1.0
+
+
+def test_it_is_tried_again_only_where_it_is_predicted_to_leave_less_than_nine_tenths():
+    """A sea of 50 m/s for a winch of 2 m/s: 0.85 of 2 m/s over 2.2 sigma of the present group leaves 98 %."""
+    guard = make_guard()
+    assert guard.prospect == ""
+    feed_guard(guard, 0.8, 0.5, 40.0, rate=50.0)
+    assert guard.inhibits
+    feed_guard(guard, 0.5, 0.5, 200.0, authority=0.0, rate=50.0)
+    assert guard.inhibits
+    assert figures(guard.prospect) == [98, 90]
 
 
 @pytest.mark.parametrize(

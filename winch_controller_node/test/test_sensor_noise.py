@@ -1,7 +1,5 @@
 """The noise of a sensor is known from its readings alone; noise that is stated far too large is reported as well."""
 
-import dataclasses
-
 import numpy as np
 import pytest
 from heave_bringup.closed_loop import ClosedLoop, loop_parameters
@@ -80,35 +78,6 @@ def test_an_accuracy_that_cannot_be_counts_as_not_stated(stated):
     assert float(noise.memory[0]["noises"][noise.row]["refused"]) == stated
 
 
-@pytest.mark.parametrize(
-    ("field", "measurement"), [("heave_sigma", "MRU heave"), ("heave_rate_sigma", "MRU heave rate")]
-)
-@pytest.mark.parametrize("stated", [1e300, 1e160, np.inf, -1.0])
-def test_a_reading_that_states_an_impossible_accuracy_is_named_once_and_compensation_goes_on(
-    field, measurement, stated
-):
-    scenario = load_scenario("b2_calm_300", settings=["all.duration=60"])
-    loop = ClosedLoop(loop_parameters(scenario))
-    step = loop.controller.step
-
-    def stating(tick, measurements):
-        if tick not in (700, 720):
-            return step(tick, measurements)
-        mru = tuple(reading._replace(**{field: stated}) for reading in measurements.mru)
-        assert mru
-        return step(tick, dataclasses.replace(measurements, mru=mru))
-
-    loop.controller.step = stating
-    named = []
-    for _ in range(800):
-        outputs, _ = loop.step()
-        named += [alarm for alarm in outputs.alarms if alarm.name == "SENSOR_DOUBTFUL, MRU: accuracy"]
-        assert np.isfinite([*outputs.report.estimate, outputs.order.payout, outputs.order.payout_rate]).all()
-    assert outputs.mode == "compensating"
-    (alarm,) = named
-    assert (alarm.values["measurement"], alarm.values["sigma"]) == (measurement, stated)
-
-
 def test_rare_readings_are_not_judged():
     noise = SensorNoise(0.02, 1.0)
     assert {noise.add(float(value)) for value in np.random.default_rng(0).standard_normal(300)} == {0.02}
@@ -154,15 +123,6 @@ def test_noise_of_the_depth_that_has_become_known_is_not_told_as_jumps():
     assert len(jumps) <= 2
     assert all(time < 5.0 for time in jumps)
     assert [alarm.name for _, alarm in record.alarms].count("SENSOR_DOUBTFUL, DEPTH: noise") == 1
-
-
-def test_a_depth_sensor_of_fifteen_times_the_believed_noise_is_no_reason_to_give_compensation_up():
-    """Its steps were thrown out as jumps and its noise counted as motion: compensation was off for most of the run."""
-    record = run_b3(200.0, "cable_sim.sensors.depth.noise=0.3")
-    late = record.column("time") > 120.0
-    assert {mode for mode, is_late in zip(record.modes, late, strict=True) if is_late} == {"compensating"}
-    unit = record.column("unit") + record.column("depth_set_point")
-    assert np.std(unit[late]) < 0.2 * np.std(record.column("uncompensated")[late])
 
 
 def test_a_reading_that_comes_back_into_its_band_within_the_minute_is_not_told():
