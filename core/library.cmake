@@ -12,7 +12,7 @@ add_custom_command(
   OUTPUT "${heave_core_made}/layout.h"
   COMMAND "${CMAKE_COMMAND}" -E env "PYTHONPATH=${heave_core_folder}" PYTHONDONTWRITEBYTECODE=1
     "${Python3_EXECUTABLE}" -m heave_core.layout > "${heave_core_made}/layout.h"
-  DEPENDS ${heave_core_tables}
+  DEPENDS ${heave_core_tables} "${heave_core_folder}/heave_core/src/interface.cpp"
   VERBATIM)
 
 add_library(heave_core SHARED

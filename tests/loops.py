@@ -129,5 +129,5 @@ class Stepped:
         return np.asarray(LoopRecord(np.array(self.rows)).column(name, after=after))
 
     def codes(self, after: float = 0.0) -> list[str]:
-        """Return the codes of the alarms after a time [s]."""
-        return [alarm.code for time, alarm in self.alarms if time > after]
+        """Return the names of the alarms after a time [s]: their codes, with the reason where there are several."""
+        return [alarm.name for time, alarm in self.alarms if time > after]

@@ -47,19 +47,19 @@ def test_a_frozen_encoder_keeps_its_alarm_until_a_request_tries_it_and_is_named_
     def standing(seconds: float) -> str:
         for _ in range(round(seconds / 0.05)):
             outputs, _ = loop.step()
-            raised.extend(alarm.code for alarm in outputs.alarms)
+            raised.extend(alarm.name for alarm in outputs.alarms)
         (encoder,) = [one for one in outputs.report.sensors if one.sensor == "encoder"]
-        return encoder.alarm.code if encoder.alarm else ""
+        return encoder.alarm.name if encoder.alarm else ""
 
     controller = loop.controller
-    assert (standing(100.0), controller.mode.value) == ("ENCODER_AT_FAULT", "stopped")
-    assert raised.count("ENCODER_AT_FAULT") == 1
+    assert (standing(100.0), controller.mode.value) == ("SENSOR_LOST, ENCODER: at fault", "stopped")
+    assert raised.count("SENSOR_LOST, ENCODER: at fault") == 1
     controller.ask_for_mode("standby")
-    assert (standing(5.0), controller.mode.value) == ("ENCODER_AT_FAULT", "standby")
+    assert (standing(5.0), controller.mode.value) == ("SENSOR_LOST, ENCODER: at fault", "standby")
     assert controller.ask_for_mode("compensating").startswith(("standby", "compensating")), "it is taken at once"
     assert standing(60.0)
     assert controller.mode.value in ("fade_out", "stopping", "stopped"), "it was tried, and is still frozen"
-    assert raised.count("ENCODER_AT_FAULT") == 2
+    assert raised.count("SENSOR_LOST, ENCODER: at fault") == 2
 
 
 def test_an_alarm_says_what_follows_in_this_run_not_what_may_follow() -> None:
@@ -76,7 +76,9 @@ def test_an_alarm_says_what_follows_in_this_run_not_what_may_follow() -> None:
 def test_words_that_the_modes_belie_are_found(mode: str) -> None:
     time = np.arange(0.0, 3.0, 0.05)
     for claim, allowed in CLAIMS.items():
-        loop = SimpleNamespace(code="MRU_STALE", text=f"MRU STALE. {claim}.", row=SimpleNamespace(title="MRU STALE"))
+        loop = SimpleNamespace(
+            code="SENSOR_LOST, MRU", text=f"SENSOR LOST, MRU. {claim}.", row=SimpleNamespace(title="SENSOR LOST, MRU")
+        )
         record = SimpleNamespace(column=lambda _: time, modes=[mode] * time.size, alarms=[(1.0, loop)])
         assert bool(false_words(record)) == (mode not in allowed), claim
         assert false_words(record, begin=2.0) == []

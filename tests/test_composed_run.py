@@ -35,7 +35,7 @@ def test_what_is_learnt_is_told_on_the_terminal_and_in_the_report(tmp_path):
         *("run", "b3_deep_900", "--duration", "12", "--bag", str(folder), "--composed", "--set", "all.transient=2"),
         *(word for setting in noise for word in ("--set", setting)),
     )
-    told = [line for line in (result.stdout + result.stderr).splitlines() if "MRU_NOISE_HIGH (low)" in line]
+    told = [line for line in (result.stdout + result.stderr).splitlines() if "SENSOR_DOUBTFUL, MRU (low)" in line]
     assert told, result.stderr
     assert told[0].startswith("t = 0.")
     assert "noise of MRU heave is 0.05 m, 5.0 times the stated value" in (folder / "report.html").read_text()

@@ -46,7 +46,7 @@ STARTED = ["CRANE_POSE_USED", "MODE_CHANGED"]
 
 
 def codes(record: LoopRecord) -> list[str]:
-    return [alarm.code for _, alarm in record.alarms]
+    return [alarm.name for _, alarm in record.alarms]
 
 
 def test_a_boom_that_is_raised_leaves_the_unit_where_it_is_and_compensation_as_it_was():
@@ -90,8 +90,8 @@ def test_with_the_pose_a_slewed_lift_is_held_and_without_it_is_not():
     with_pose, without = (
         loop_of("crane_slew", {"wave_vessel.crane.pose.fitted": fitted}).run() for fitted in ("true", "false")
     )
-    assert [alarm.code for _, alarm in with_pose.alarms if alarm.code.startswith("CRANE")] == ["CRANE_POSE_USED"]
-    assert not [alarm for _, alarm in without.alarms if alarm.code.startswith("CRANE")]
+    assert [alarm.name for _, alarm in with_pose.alarms if alarm.name.startswith("CRANE")] == ["CRANE_POSE_USED"]
+    assert not [alarm for _, alarm in without.alarms if alarm.name.startswith("CRANE")]
     for record in (with_pose, without):
         assert heaves(record, 60.0, 120.0)[2] < 0.03, "before the slew both hold the unit"
     for start, end in ((120.0, SLEWED), (SLEWED, 300.0)):

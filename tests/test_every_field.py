@@ -15,7 +15,7 @@ import pytest
 from heave_bags.mcap.reader import Bag
 from heave_bringup import ClosedLoop, load_scenario, loop_parameters
 from heave_msgs.msg import LoadCell, MruSample, WinchState
-from heave_node.crane.messages import pose_message
+from heave_node.crane.pose import pose_message
 from heave_node.interface.codes import MruStatus
 from heave_node.interface.sensors import WireReading
 from rclpy.serialization import deserialize_message

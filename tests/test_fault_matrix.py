@@ -54,15 +54,15 @@ def raised(time, code, part, severity=Severity.HIGH):
 
 def test_an_alarm_names_its_part_and_one_that_names_two_names_either():
     alarms = [
-        raised(90.0, "MRU_STALE", "mru"),
+        raised(90.0, "SENSOR_LOST, MRU: stale", "mru"),
         raised(103.0, "MODE_CHANGED", "mode", Severity.EVENT),
         raised(104.0, "DEPTH_MRU_DISAGREE", "sensors"),
-        raised(107.0, "ENCODER_AT_FAULT", "encoder"),
+        raised(107.0, "SENSOR_LOST, ENCODER: at fault", "encoder"),
     ]
     assert named_after(alarms, ("mru",), BEGIN) == 4.0
     assert named_after(alarms, ("encoder",), BEGIN) == 7.0
     assert named_after(alarms, ("load_cell",), BEGIN) == math.inf
-    assert [one.code for one in blamed(alarms, ("mru",), BEGIN)] == ["ENCODER_AT_FAULT"]
+    assert [one.code for one in blamed(alarms, ("mru",), BEGIN)] == ["SENSOR_LOST, ENCODER: at fault"]
     assert [one.code for one in blamed(alarms, ("encoder",), BEGIN)] == ["DEPTH_MRU_DISAGREE"]
 
 
@@ -242,19 +242,19 @@ def test_all_kinds_of_all_devices_and_all_moments_are_drawn_alike():
 
 def test_what_all_cases_came_to_is_held_against_the_bars():
     good = Outcome(named=0.1, is_visible=True, rest=2.0, travel=0.3, envelope=0.4, unit=1.0)
-    bad = Outcome(math.inf, True, math.inf, 1.2, 0.9, 1.4, 1.0, 0.5, 0.2, wrong=("DEPTH_STALE",))
+    bad = Outcome(math.inf, True, math.inf, 1.2, 0.9, 1.4, 1.0, 0.5, 0.2, wrong=("SENSOR_LOST, DEPTH: stale",))
     hidden = Outcome(named=math.inf, is_visible=False, travel=0.0, envelope=0.0, unit=math.nan)
     failed = Outcome(failure="ValueError: no")
     ran = [(cell(1, place), one) for place, one in enumerate((good, bad, hidden, failed))]
     assert [kept(bar, ran) for bar in BARS] == [(3, 3), (2, 3), (1, 2), (1, 2), (2, 3)]
-    assert breaches(bad) == ["travel 1.20", "unit 1.40", "not named", "blames DEPTH_STALE"]
+    assert breaches(bad) == ["travel 1.20", "unit 1.40", "not named", "blames SENSOR_LOST, DEPTH: stale"]
     assert len(broken(ran)) == 4
     assert [found for _, found in worst(ran)] == [bad, failed]
     assert outcome_of(json.loads(json.dumps(asdict(bad)))) == bad
 
 
 def test_results_make_the_page_and_those_of_the_same_commit_and_seed_are_replaced(tmp_path):
-    found = Outcome(math.inf, True, 2.0, 1.25, 0.5, math.nan, 1.0, 0.5, 0.2, alarms=("0.10 MRU_STALE",))
+    found = Outcome(math.inf, True, 2.0, 1.25, 0.5, math.nan, 1.0, 0.5, 0.2, alarms=("0.10 SENSOR_LOST, MRU: stale",))
     path, ran = tmp_path / "results.json", [(cell(1, 0), found)]
     how = {"seed": 1, "branches": 4, "after": 75.0}
     add(path, {**how, "commit": "a" * 40}, ran)
@@ -267,7 +267,7 @@ def test_results_make_the_page_and_those_of_the_same_commit_and_seed_are_replace
     assert (read.named, read.rest, read.travel, read.is_visible) == (math.inf, 2.0, 1.25, True)
     text = page(campaigns)
     assert "|bbbbbbbbbb|1|1|1 of 1, 100.0 %|0 of 1, 0.0 %|" in text
-    assert "**travel 1.25; not named**. 0.10 MRU_STALE" in text
+    assert "**travel 1.25; not named**. 0.10 SENSOR_LOST, MRU: stale" in text
 
 
 def test_the_page_is_made_of_the_results():

@@ -59,4 +59,4 @@ def test_compensation_returns_by_itself_after_the_link_was_down(start):
     down = (time > start + 5.0) & (time < start + DOWN + 15.0)
     assert set(modes[down]) == {"stopped"}
     assert set(modes[time > start + DOWN + 23.5]) == {"compensating"}
-    assert "DEPTH_MRU_DISAGREE" not in [alarm.code for _, alarm in record.alarms]
+    assert "DEPTH_MRU_DISAGREE" not in [alarm.name for _, alarm in record.alarms]

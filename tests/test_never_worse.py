@@ -53,7 +53,7 @@ class Lift:
         self.record: LoopRecord = self.loop.run(ask)
         self.began = min(begin_of(self.record), 60.0)
         self.start = max(self.began, row["fault"][2] if "fault" in row else 0.0)
-        self.codes = [alarm.code for _, alarm in self.record.alarms]
+        self.codes = [alarm.name for _, alarm in self.record.alarms]
 
     def judge(self) -> None:
         """Check all that the row asks for."""
@@ -90,7 +90,7 @@ class Lift:
 
     def check_codes(self, codes: Mapping[str, Any]) -> None:
         for code, wanted in codes.items():
-            came = [(time, alarm.values) for time, alarm in self.record.alarms if alarm.code == code]
+            came = [(time, alarm.values) for time, alarm in self.record.alarms if alarm.name == code]
             assert came, code
             if not isinstance(wanted, dict):
                 assert came[0][0] < self.start + wanted, code

@@ -65,8 +65,8 @@ def test_an_encoder_that_freezes_is_lost_and_not_identified(scenario, seed):
     """It was found to read 3.7e-16 times the payout, and 50 m of wire went out at 2 m/s, while it came to rest."""
     run = Run(scenario, seed, 120.0, fault("encoder", "freeze", 120.0)).go(160.0)
     assert run.travel < run.allowed
-    assert {"DRUM_OR_ENCODER_STILL", "COMPENSATION_LOST"} <= set(run.codes(run.begin))
-    assert "ENCODER_SCALE_ERROR" not in run.codes(run.begin)
+    assert {"DRUM_OR_ENCODER: still", "COMPENSATION_LOST"} <= set(run.codes(run.begin))
+    assert "IDENTIFIED, ENCODER: scale" not in run.codes(run.begin)
     assert run.modes[-1] == "stopped"
 
 
@@ -94,16 +94,16 @@ def test_an_adviser_that_is_wrong_is_named_within_seconds_and_the_nominal_stays(
         run.inject(quantity, value)
         run.go(until)
     assert run.travel < run.allowed
-    (alarm,) = [alarm for time, alarm in run.alarms if alarm.code == "ADVISER_CONTRADICTED" and time > begin]
+    (alarm,) = [alarm for time, alarm in run.alarms if alarm.name == "ADVISER_WRONG: set aside" and time > begin]
     assert quantity in alarm.values["fault"]
     assert not run.loop.controller.beliefs.values
     assert run.modes[-1] == "compensating" or (quantity, value) in COULD_BE
 
 
 OF_DRUM = {
-    "encoder freeze 0": ("DRUM_OR_ENCODER_STILL", "ENCODER_AT_FAULT"),
-    "encoder scale -1": ("DRUM_OR_ENCODER_REVERSED", "ENCODER_AT_FAULT"),
-    "winch reverse 0": ("DRUM_OR_ENCODER_REVERSED", "DRIVE_AT_FAULT"),
+    "encoder freeze 0": ("DRUM_OR_ENCODER: still", "SENSOR_LOST, ENCODER: at fault"),
+    "encoder scale -1": ("DRUM_OR_ENCODER: reversed", "SENSOR_LOST, ENCODER: at fault"),
+    "winch reverse 0": ("DRUM_OR_ENCODER: reversed", "DRIVE_AT_FAULT"),
 }
 
 
@@ -119,8 +119,11 @@ def test_a_drum_that_does_not_follow_is_drive_or_encoder_until_the_depth_sensor_
     run = Run("b2_calm_300", 1, 80.0, {**fault(part, kind, 80.0, size=float(size)), **alone}).go(90.0)
     either, who = OF_DRUM[what]
     codes = run.codes(run.begin)
-    assert [code for code in codes if code.startswith(("DRUM_OR", "ENCODER_A", "DRIVE_A"))] == [either, who]
-    assert not {"ENCODER_EXCLUDED", "ENCODER_SCALE_ERROR"} & set(codes)
+    assert [code for code in codes if code.startswith(("DRUM_OR", "SENSOR_LOST, ENCODER: at fault", "DRIVE_A"))] == [
+        either,
+        who,
+    ]
+    assert not {"SENSOR_LOST, ENCODER: excluded", "IDENTIFIED, ENCODER: scale"} & set(codes)
 
 
 @pytest.mark.slow

@@ -88,7 +88,7 @@ def test_without_a_witness_compensation_waits_for_an_operators_consent():
     bare = (*NO_DEPTH, "cable_sim.sensors.load_cell.fitted=false")
     run = Run("b2_calm_300", *bare).go(40.0)
     assert run.begins() is None
-    assert "MRU_UNPROVED" in run.codes()
+    assert "MRU_UNPROVED: alone" in run.codes()
     run.loop.controller.ask_for_mode("compensating", consent=True)
     assert run.go(42.0).begins() == pytest.approx(40.0, abs=0.2)
     assert Run("b2_calm_300", *bare, "winch_controller.entry.accept_unproved=true").go(26.0).begins() is not None
@@ -111,17 +111,17 @@ def test_a_brake_that_slips_in_standby_is_told_at_once_and_the_drive_holds_the_l
     """0.5 m/s; without supervision 7.5 m in 15 s."""
     told, way = slipped("winch_controller.modes.start=standby", faults=[("brake_slip", 30.0, 0.5)])
     time, at, alarm = next(one for one in told if one[2].severity is Severity.CRITICAL)
-    assert alarm.code == "DRUM_RUNS_BRAKED"
+    assert alarm.name == "DRUM_NOT_HELD: count"
     assert time < 0.3
     assert at <= 0.05 + 1e-6
     assert way < 0.1
-    assert "DRUM_HELD_BY_DRIVE" in [one[2].code for one in told]
+    assert "DRUM_HELD_BY_DRIVE" in [one[2].name for one in told]
 
 
 def test_a_brake_that_is_stuck_open_after_a_loss_of_power_is_told_at_once_and_that_nothing_holds_the_load():
     told, _ = slipped(faults=[("brake_open", 30.0, 0.5), ("emergency_stop", 40.0, 0.0)])
     time, _, alarm = next(one for one in told if one[2].severity is Severity.CRITICAL)
-    assert alarm.code == "DRUM_RUNS_BRAKED"
+    assert alarm.name == "DRUM_NOT_HELD: count"
     assert time < 0.3 + 0.4  # of the stop itself, from 0.5 m/s at most
-    (last,) = [one[2] for one in told if one[2].code == "DRUM_NOT_HELD"]
+    (last,) = [one[2] for one in told if one[2].name == "DRUM_NOT_HELD: turns"]
     assert "emergency stop has taken the drive's power" in str(last)

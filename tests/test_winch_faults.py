@@ -97,7 +97,7 @@ def test_a_brake_that_stays_shut_is_named_without_the_drives_supervision_and_one
     run.inject("brake_shut", duration=lasts)
     # a brake may take 3 s to open, and about a turn of the wave 0.5 s prove nothing
     run.go(BEGIN + 4.5)
-    assert any("DRUM_OR_ENCODER_STILL" in str(told) for _, told in run.alarms) is named
+    assert any(told.name == "DRUM_OR_ENCODER: still" for _, told in run.alarms) is named
     run.go(BEGIN + 9.0)
     assert [told.code == "DRIVE_AT_FAULT" for _, told in run.alarms].count(True) == int(named), "once"
 

@@ -92,16 +92,6 @@ def test_windows_cover_the_run(record):
         analysis.windows(record, 0.0)
 
 
-def test_windows_are_listed_one_a_line(record):
-    lines = analysis.window_table(record, 2 * RUN.period).splitlines()
-    assert len(lines) == 2 + 3 + 1  # the name, the heading, three times two waves in 60 s, and what is left out
-    assert lines[-1] == "not covered: the last 12.00 s, shorter than a window of 16 s"
-    assert "left out" not in analysis.window_table(record, 20.0)
-    start, end, sigma = (float(cell) for cell in lines[3].split()[:3])
-    assert end - start == pytest.approx(2 * RUN.period)
-    assert sigma == pytest.approx(100.0 * RUN.unit / ROOT, rel=0.01)
-
-
 def test_json_is_plain_and_has_no_nan(record):
     text = json.dumps(analysis.to_json(record, window=20.0), allow_nan=False)
     content = json.loads(text)

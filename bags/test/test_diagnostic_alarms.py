@@ -34,7 +34,9 @@ def test_what_the_controller_has_told_is_not_joined_where_its_figures_differ():
 
 def test_an_event_is_no_warning():
     """The part `alarms` of the controller is a warning whatever it reports."""
-    messages = ["t = 1.00 s: AUTHORITY_RESTORED (event): authority is 100 % again.; t = 1.50 s: MRU_SLOW (low): 2 Hz."]
+    messages = [
+        "t = 1.00 s: AUTHORITY_RESTORED (event): authority is 100 %.; t = 1.50 s: SENSOR_DOUBTFUL, MRU (low): 2 Hz."
+    ]
     found = diagnostic_alarms(fields("winch_controller: alarms", messages))
     assert [alarm.level for alarm in found] == [0, 1]
     (alone,) = diagnostic_alarms(fields("adviser: alarms", ["AUTHORITY_RESTORED (event): authority is 100 % again."]))
@@ -43,7 +45,7 @@ def test_an_event_is_no_warning():
 
 def test_an_alarm_that_lasts_is_shown_from_when_it_was_raised_on():
     """Diagnostics come once a second: the sensor is reported lost at 2 s, and its alarm says since when."""
-    lost = "MRU_STALE (high): no data for 0.20 s, limit 0.15 s. Compensation fades out."
+    lost = "SENSOR_LOST, MRU (high): no data for 0.20 s, limit 0.15 s. Compensation fades out."
     parts = {"winch_controller: sensor mru": ["ok", "ok", lost, lost], "winch_controller: alarms": ["ok"] * 4}
     parts["winch_controller: alarms"][2] = f"t = 1.15 s: {lost}; t = 1.60 s: SEA_MODEL_UPDATED (event): Hs 2.0 m."
     columns = {"time": np.arange(4.0), "log_time": np.arange(4)}
@@ -53,9 +55,9 @@ def test_an_alarm_that_lasts_is_shown_from_when_it_was_raised_on():
         columns[f"status[{index}].message"] = np.array(messages, dtype=object)
     found = {one.name.split(" (")[0]: (one.start, one.end) for one in diagnostic_alarms(Fields(columns))}
     assert found == {
-        "winch_controller: alarms: MRU_STALE": (1.15, 2.15),
+        "winch_controller: alarms: SENSOR_LOST, MRU": (1.15, 2.15),
         "winch_controller: alarms: SEA_MODEL_UPDATED": (1.6, 2.6),
-        "winch_controller: sensor mru: MRU_STALE": (1.15, 4.0),
+        "winch_controller: sensor mru: SENSOR_LOST, MRU": (1.15, 4.0),
     }
 
 

@@ -10,7 +10,6 @@ from pathlib import Path
 
 import pytest
 import yaml
-from heave_bags.errors import BagError
 from heave_bags.mcap import repair
 from heave_bags.mcap.bag_writer import BagPolicy, BagWriter
 from heave_bags.mcap.files import METADATA_ROOT, RECORDING_MARK, file_counts, parse_information, read_information
@@ -138,19 +137,14 @@ def test_the_bag_of_a_killed_writer_opens_at_once_with_the_readers_of_others(tmp
     assert records_of(bag.files[0])[0]["version"] == 9
 
 
-def test_a_bag_of_before_is_mended_by_a_repair_and_not_by_an_index(made_up_bag, tmp_path, monkeypatch):
-    with monkeypatch.context() as before:
-        before.setattr("heave_bags.mcap.files.BagSummary.to_record", lambda summary: summary.to_yaml())
-        old = made_up_bag("old", MadeUpRun(duration=5.0), SPLIT)
-    assert METADATA_ROOT in records_of(Bag(old).files[0])[0]
-    with pytest.raises(BagError, match="repair the bag instead"):
-        repair.reindex(old)
-    (old / "metadata.yaml").unlink()
-    saved = repair.repair(old, tmp_path / "saved")
-    for path in Bag(saved.folder).files:
+def test_a_repair_keeps_messages_and_distribution_where_there_is_no_metadata_yaml(made_up_bag, tmp_path):
+    bag = made_up_bag("bag", MadeUpRun(duration=5.0), SPLIT)
+    (bag / "metadata.yaml").unlink()
+    saved = Bag(repair.repair(bag, tmp_path / "saved").folder)
+    for path in saved.files:
         assert [record["version"] for record in records_of(path)] == [9, 9]
-    assert Bag(saved.folder).ros_distro == "kilted", "also where no metadata.yaml says it"
-    assert list(Bag(saved.folder).messages()) == list(Bag(old).messages())
+    assert saved.ros_distro == "kilted"
+    assert list(saved.messages()) == list(Bag(bag).messages())
 
 
 def test_a_repair_keeps_what_others_have_put_in(tmp_path):

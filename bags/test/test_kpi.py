@@ -6,7 +6,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from heave_bags.analyse import kpi_set
-from heave_bags.analyse.kpi_table import shown
+from heave_bags.analyse.kpi_set import shown
 from heave_bags.signals import RunSignals, Signal
 from heave_node import kpi
 from heave_node.interface.codes import WinchLimit

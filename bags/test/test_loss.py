@@ -5,31 +5,22 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+from heave_bags.errors import BagError, StorageError, one_line
 from heave_bags.mcap.loss import MISSING, Loss, LossAccount, remarks
 
 
 @pytest.mark.parametrize("noted", [0, 3])
-def test_messages_that_the_count_of_the_file_misses_are_named_though_no_place_is_known(noted):
+@pytest.mark.parametrize(("total", "in_gaps"), [(10, 0), (None, 10)], ids=["count of the file", "numbers"])
+def test_messages_that_are_missing_beyond_what_was_noted_are_named_though_no_place_is_known(noted, total, in_gaps):
     account = LossAccount(Path("own.mcap"))
     if noted:
         account.add(100, "a damaged chunk", noted, start=5)
         account.end_at(9)
-    losses = account.settle(10, is_cut=False)
+    account.in_gaps = in_gaps
+    losses = account.settle(total, is_cut=False)
     assert sum(loss.messages for loss in losses) == 10
     assert losses[-1].reason == MISSING
     assert losses[-1].messages == 10 - noted
-
-
-@pytest.mark.parametrize("noted", [0, 3])
-def test_gaps_in_the_numbering_beyond_what_was_noted_are_named(noted):
-    account = LossAccount(Path("own.mcap"))
-    if noted:
-        account.add(100, "a damaged chunk", noted, start=5)
-        account.end_at(9)
-    account.in_gaps = 8
-    losses = account.settle(None, is_cut=False)
-    assert sum(loss.messages for loss in losses) == 8
-    assert losses[-1].reason == MISSING
 
 
 def test_gaps_tell_how_many_a_place_of_unknown_number_has_cost_and_what_follows_stays_unknown():
@@ -188,3 +179,9 @@ def test_gaps_tell_of_a_place_of_unknown_number_what_the_noted_ones_do_not_expla
     account.end_at(9)
     account.in_gaps = in_gaps
     assert [messages for _, messages, *_ in told(account.settle(None, is_cut=False))] == [unknown, 3]
+
+
+def test_an_error_stays_on_its_line_and_sends_nothing_to_the_terminal():
+    assert str(BagError("/a\nb: \x1b[2Jgone")) == "/a\\nb: \\x1b[2Jgone"
+    assert str(StorageError("plain")) == "plain"
+    assert one_line("Wasserlinie ü, 波") == "Wasserlinie ü, 波"

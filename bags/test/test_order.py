@@ -10,9 +10,8 @@ from pathlib import Path
 import pytest
 from foreign_bags import copy_messages
 from heave_bags.analyse import analysis
-from heave_bags.mcap.read import recovery
-from heave_bags.mcap.read.recovery import NOT_IN_ORDER, RESET, ClockWatch
-from heave_bags.mcap.read.scan import FoundMessage
+from heave_bags.mcap.read import order
+from heave_bags.mcap.read.order import NOT_IN_ORDER, RESET, ClockWatch
 from heave_bags.mcap.reader import Bag, RawMessage
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
@@ -29,7 +28,7 @@ from mcap.writer import CompressionType, Writer
 def test_messages_are_read_in_a_stable_sort_by_log_time_however_little_may_be_held(
     tmp_path, monkeypatch, times, most_held, chunk_size
 ):
-    monkeypatch.setattr(recovery, "MOST_HELD", most_held)
+    monkeypatch.setattr(order, "MOST_HELD", most_held)
     with (tmp_path / "a.mcap").open("wb") as stream:
         writer = Writer(stream, chunk_size=chunk_size)
         writer.start(profile="ros2")
@@ -45,7 +44,7 @@ def watch(*stretches: range, topics: int = 1) -> str:
     """Return what is noted of the order of messages each second, in these stretches."""
     clock = ClockWatch()
     for stretch in stretches:
-        clock.observe([FoundMessage(f"/{n}", t * 10**8, 0, 0, b"") for t in stretch for n in range(topics)])
+        clock.observe([RawMessage(f"/{n}", t * 10**8, b"") for t in stretch for n in range(topics)])
     return clock.note
 
 

@@ -44,8 +44,8 @@ def record(chance: random.Random) -> Written:
         chance.shuffle(due)
         for topic, node, of in due:
             arrived[topic].append(message(topic, node, of))
-        order.write(written, arrived.__getitem__, tick_start=tick * PERIOD, tick_before=max(tick - 1, 1) * PERIOD)
-    order.write_rest(written, lambda _: [], tick_start=(TICKS + 1) * PERIOD)
+        order.write(written.write, arrived.__getitem__, tick_start=tick * PERIOD, tick_before=max(tick - 1, 1) * PERIOD)
+    order.write_rest(written.write, lambda _: [], tick_start=(TICKS + 1) * PERIOD)
     return written
 
 
@@ -78,9 +78,9 @@ def record_laggard(chance: random.Random, latest: int) -> Written:
         )
     for tick in range(1, TICKS + 2):
         arrived = {"/clock": [message("/clock", "master", tick)], "/beliefs": arrivals.pop(tick, [])}
-        order.write(written, arrived.__getitem__, tick_start=tick * PERIOD, tick_before=max(tick - 1, 1) * PERIOD)
+        order.write(written.write, arrived.__getitem__, tick_start=tick * PERIOD, tick_before=max(tick - 1, 1) * PERIOD)
     rest = {"/clock": [], "/beliefs": [data for late in arrivals.values() for data in late]}
-    order.write_rest(written, rest.__getitem__, tick_start=(TICKS + 1) * PERIOD)
+    order.write_rest(written.write, rest.__getitem__, tick_start=(TICKS + 1) * PERIOD)
     return written
 
 

@@ -85,7 +85,7 @@ def test_why_compensation_never_began_is_told_in_the_words_of_the_controller(rec
         Interval(120.0, 220.0, "standby", reason=TOLD.format(5)),
         Interval(220.0, 300.0, "standby", reason=TOLD.format(4)),
     ]
-    frozen = "winch_controller: sensor mru: MRU_FROZEN (high): readings do not change. {}. Restart the sensor."
+    frozen = "winch_controller: sensor mru: SENSOR_LOST, MRU (high): readings do not change. {}. Restart the sensor."
     words = ("Compensation continues", "Compensation is fading out")
     record.alarms = [Interval(20.0, 21.0, frozen.format(loop), level=2) for loop in words]
     record.alarms += [Interval(21.0, 22.0, "winch_controller: sensor mru: nan: start it again", level=2)]
@@ -93,7 +93,7 @@ def test_why_compensation_never_began_is_told_in_the_words_of_the_controller(rec
     (text,) = warned(record)
     assert text == (
         f"Compensation never began. Reasons: standby for 180 s ({TOLD.format(4)}); standby for 100 s (mru nan). "
-        "Alarms: MRU_FROZEN, winch_controller: sensor mru: nan: start it again"
+        "Alarms: SENSOR_LOST, MRU; winch_controller: sensor mru: nan: start it again"
     )
 
 

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from heave_bags.analyse import analysis, kpi_set
-from heave_bags.analyse.kpis.sources import MOTIONS_OF, source_of
+from heave_bags.analyse.kpi_set import MOTIONS_OF, source_of
 from heave_bags.analyse.read_run import read_run
 from heave_bags.analyse.reading.unit_height import measured_height
 from heave_bags.mcap.bag_writer import BagWriter

@@ -9,7 +9,7 @@ import argparse
 import errno
 import os
 import sys
-from collections.abc import Sequence
+from collections.abc import MutableMapping, Sequence
 from pathlib import Path
 
 from heave_bags.errors import BagError, NoBagError
@@ -17,9 +17,8 @@ from heave_node.parameters import ParameterError
 from heave_node.ros.transport.parents_death import exit_at_once
 from heave_node.ros.transport.watchdog import check_memory
 
-from heave_bringup.commands.completion import complete
+from heave_bringup.commands.arguments import complete
 from heave_bringup.errors import CommandError, ExitStatus
-from heave_bringup.other_ros import leave_out_other_ros
 from heave_bringup.parser import make_parser
 
 FULL = (errno.ENOSPC, errno.EDQUOT)
@@ -27,11 +26,9 @@ FULL = (errno.ENOSPC, errno.EDQUOT)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run the `heave` command; return its `ExitStatus`: 0 only when it did what it says and no verdict is FAILED.
+    """Run the `heave` command with `arguments`, without the program's name; None: those of this process.
 
-    Parameters
-    ----------
-    arguments : of the command line, without the program's name; None: those of this process
+    Returns its `ExitStatus`: 0 only when it did what it says and no verdict is FAILED.
     """
     try:
         raise_interrupts()  # nodes are ended in order
@@ -103,6 +100,25 @@ def _refused_by_the_system(error: OSError) -> int:
     if error.filename is None and error.errno not in FULL:  # no file that the user named: a defect of ours, in full
         raise error
     return _exit_with(f"{error.filename or 'output'}: {error.strerror}", ExitStatus.FAILED)
+
+
+def leave_out_other_ros(environment: MutableMapping[str, str], path: list[str]) -> str:
+    """Take folders with another ROS off PYTHONPATH in the `environment` and off the `path` of modules, in place.
+
+    Returns in words which, "" where there is none. Where the suite has no ROS but that of PYTHONPATH, as built by
+    colcon, that one stays.
+    """
+    given = [folder for folder in environment.get("PYTHONPATH", "").split(os.pathsep) if folder]
+    others = [folder for folder in given if _has_ros(folder)]
+    if not others or not any(_has_ros(folder) for folder in path if folder and folder not in given):
+        return ""
+    environment["PYTHONPATH"] = os.pathsep.join(folder for folder in given if folder not in others)
+    path[:] = [folder for folder in path if folder not in others]
+    return f"PYTHONPATH names another ROS, {', '.join(others)}: left out, for it hides the one of this installation"
+
+
+def _has_ros(folder: str) -> bool:
+    return (Path(folder) / "rclpy").is_dir()
 
 
 if __name__ == "__main__":

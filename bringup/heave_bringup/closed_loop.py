@@ -77,13 +77,7 @@ class LoopRecord:
     alarms: list[tuple[float, Alarm]] = field(default_factory=list)  # time [s] and alarm
 
     def column(self, name: str, *, after: float = 0.0) -> Array:
-        """Return a column of the record.
-
-        Parameters
-        ----------
-        name : one of COLUMNS
-        after : time from which on it is wanted [s]
-        """
+        """Return the column `name`, one of COLUMNS, of the record from a time `after` [s] on."""
         column: Array = self.rows[self.rows[:, 0] >= after, COLUMNS.index(name)]
         return column
 

@@ -103,11 +103,8 @@ def nodes_to_start(run: RunParameters, foreign: Sequence[str] = ()) -> list[str]
 
 @contextmanager
 def node_forks(count: int) -> Iterator[list[Forked]]:
-    """Load what the nodes of a run compute with, and give `forks` in which each then starts in a part of the time.
-
-    Parameters
-    ----------
-    count : of processes
+    """Load what the nodes of a run compute with, and give `count` processes in each of which a node then starts in a
+    part of the time.
     """
     for module in COMPUTE:
         importlib.import_module(module)

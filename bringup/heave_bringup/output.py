@@ -102,13 +102,9 @@ def print_parts(parts: Iterable[Part]) -> None:
 
 
 def make_table(columns: Sequence[str], rows: Iterable[Sequence[str]], *, texts: Collection[str] = ()) -> Table:
-    """Return a table for people.
+    """Return a table for people with headings of its `columns`, units among them, and `rows` of cells as text.
 
-    Parameters
-    ----------
-    columns : headings, units among them
-    rows : cells as text
-    texts : columns that hold text, as the first one does; the others hold numbers and align to the right
+    The first column and those named in `texts` hold text; the others hold numbers and align to the right.
     """
     table = Table(box=box.SIMPLE_HEAD, pad_edge=False, show_edge=False)
     cells = [[Text(cell) for cell in row] for row in rows]
@@ -126,9 +122,9 @@ def make_table(columns: Sequence[str], rows: Iterable[Sequence[str]], *, texts: 
     return table
 
 
-def sheet_table(sheet: Sheet, rows: Iterable[object], *, texts: Collection[str] = ()) -> Table:
-    """Return a table for people of a `sheet` and its `rows`; `texts` as of `make_table`."""
-    return make_table(sheet.headings, sheet.cells(rows), texts=texts)
+def sheet_table(sheet: Sheet, rows: Iterable[object]) -> Table:
+    """Return a table for people of a `sheet` and its `rows`."""
+    return make_table(sheet.headings, sheet.cells(rows))
 
 
 def check_output(option: str, path: Path | None, endings: Sequence[str] = (), *, makes_folder: bool = False) -> None:

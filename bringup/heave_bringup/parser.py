@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import argparse
 import difflib
+import sys
 from collections.abc import Sequence
+from importlib import metadata
 from typing import Any, NoReturn
 
 from heave_node.extras import PARTS
@@ -12,13 +14,38 @@ from heave_node.extras import PARTS
 from heave_bringup.commands.bags import export, kpi, record, repair, replay, report
 from heave_bringup.commands.command import CommandModule, name_of
 from heave_bringup.commands.extras import COMMANDS as EXTRA_COMMANDS
-from heave_bringup.commands.extras import FORMER as FORMER_COMMANDS
 from heave_bringup.commands.extras import extra_command, extra_commands
 from heave_bringup.commands.models import design, modes
 from heave_bringup.commands.runs import check, operate, run
 from heave_bringup.commands.scenarios import catalogue, list_scenarios, new, params
-from heave_bringup.commands.version import VersionAction
 from heave_bringup.errors import ExitStatus
+
+DISTRIBUTIONS = ("heave", "heave-bringup")
+"""Under which this project is installed: as a whole from wheels, or package by package by colcon."""
+
+
+class VersionAction(argparse.Action):
+    """Prints the version and, where it is known, the git commit; both are looked for only then. `option_strings` and
+    `dest` are as argparse gives them.
+    """
+
+    def __init__(self, option_strings: list[str], dest: str) -> None:
+        super().__init__(option_strings, dest, nargs=0, help="print the version, and the git commit where it is known")
+
+    def __call__(self, *_: object) -> NoReturn:
+        """Print, and end."""
+        from heave_bags.record.provenance import git_commit  # noqa: PLC0415 - seldom needed
+
+        commit = git_commit()
+        sys.stdout.write(f"heave {own_version()}{f' ({commit})' if commit else ''}\n")
+        sys.exit(0)
+
+
+def own_version() -> str:
+    """Return the version of this project; "of unknown version" where it is not installed."""
+    found = (one.version for name in DISTRIBUTIONS for one in metadata.distributions(name=name))
+    return next(found, "of unknown version")
+
 
 COMMANDS: tuple[CommandModule, ...] = (
     *(run, operate, check),
@@ -38,12 +65,8 @@ class OneLineParser(argparse.ArgumentParser):
     """Complains in one line, each subcommand of its own arguments."""
 
     def parse_known_args(self, args: Sequence[str] | None = None, namespace: Any = None) -> tuple[Any, list[str]]:  # type: ignore[override]
-        """Parse as the base class does, but refuse what is not known here: the subcommand's help is the one to read.
-
-        Parameters
-        ----------
-        args : of the command line; None: those of this process
-        namespace : to which the options are added; None: a new one
+        """Parse `args` into a `namespace` as the base class does, but refuse what is not known here: the subcommand's
+        help is the one to read.
         """
         options, unknown = super().parse_known_args(args, namespace)
         if unknown:
@@ -58,8 +81,6 @@ class OneLineParser(argparse.ArgumentParser):
 
     def _check_value(self, action: argparse.Action, value: Any) -> None:
         """Refuse what is no choice, and name the one that is near: the list of all commands is in the help."""
-        if action.dest == "command" and value in FORMER_COMMANDS:
-            raise argparse.ArgumentError(action, f"is a study now: heave study {FORMER_COMMANDS[value]}")
         if action.choices is not None and value not in action.choices:
             near = difflib.get_close_matches(str(value), list(map(str, action.choices)), n=1)
             if near:
@@ -84,10 +105,8 @@ class OneLineParser(argparse.ArgumentParser):
 def make_parser(words: Sequence[str] = ()) -> argparse.ArgumentParser:
     """Return the parser of the whole command; the chosen subcommand's function is in `execute`.
 
-    Parameters
-    ----------
-    words : of a command line that is to be parsed: other subcommands than its own are left without their arguments,
-        which take 15 ms; empty: all have theirs
+    Of a command line in `words` the other subcommands than its own are left without their arguments, which take 15 ms;
+    without words all have theirs.
     """
     parser = OneLineParser(
         prog="heave",

@@ -26,12 +26,8 @@ def be_quiet() -> None:
 
 
 def time_to_go(elapsed: float, share: float) -> str:
-    """Return in words how long work will still take, if it goes on as it went.
-
-    Parameters
-    ----------
-    elapsed : wall time so far [s]
-    share : part of the work that is done, above 0
+    """Return in words how long work will still take, of which a `share` above 0 took the `elapsed` wall time [s], if it
+    goes on as it went.
     """
     rest = elapsed * (1.0 - share) / share
     if rest < 90.0:
@@ -61,12 +57,7 @@ class _Words(ProgressColumn):
 
 
 class ProgressLine:
-    """A line on standard error that says how far long work is; a context manager.
-
-    Parameters
-    ----------
-    stream : another stream in the place of standard error
-    """
+    """A line on standard error, or another `stream`, that says how far long work is; a context manager."""
 
     def __init__(self, stream: TextIO | None = None) -> None:
         self._stream = sys.stderr if stream is None else stream
@@ -96,13 +87,7 @@ class ProgressLine:
         self.close()
 
     def show(self, text: str, share: float | None = None) -> None:
-        """Show the state of the work.
-
-        Parameters
-        ----------
-        text : what is being done
-        share : part of the work that is done, 0 to 1; None where unknown
-        """
+        """Show what is being done, `text`, and the `share` of the work that is done, 0 to 1; None where unknown."""
         if _quiet:
             return
         if self._console.is_terminal:

@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from heave_bags.errors import BagError
-from heave_bags.play.substitute_program import SUBSTITUTE, bag_played, program
 from heave_node.extras import MissingExtraError, known_parts, load_part
 from heave_node.interface import topics
 from heave_node.interface.sensors import SENSORS
@@ -25,6 +24,28 @@ if TYPE_CHECKING:
     from heave_node.run_parameters import RunParameters
 
     from heave_bringup.scenarios import Scenario
+
+
+SUBSTITUTE = "heave_bags.play.substitute_node"
+"""Module that plays a bag in the place of a node."""
+
+_BAG = "bag:="
+"""Before the path of the bag among the arguments."""
+
+
+def program(node: str, bag: Path) -> list[str]:
+    """Return the module that plays `bag` in the place of `node`, and its arguments; more of ROS may follow."""
+    return [
+        *(SUBSTITUTE, node, "--ros-args"),
+        *("-r", f"__node:={node}_from_bag"),  # the parameters of the node itself do not concern its substitute
+        *("-p", f"{_BAG}{bag}"),
+    ]
+
+
+def bag_played(arguments: Sequence[str]) -> Path:
+    """Return the bag that a `program` plays, by its module and arguments."""
+    return Path(next(one.removeprefix(_BAG) for one in arguments if one.startswith(_BAG)))
+
 
 OPTION = "--replace"
 EXTERNAL, LOCKSTEP, BAG, NONE = "external", "lockstep", "bag", "none"
@@ -86,14 +107,8 @@ class Replacements:
 
 
 def add_replace(parser: argparse.ArgumentParser, help_: str, forms: str = FORMS, *, required: bool = False) -> None:
-    """Let the user of a command replace nodes.
-
-    Parameters
-    ----------
-    parser : of the command
-    help_ : of the option
-    forms : that are possible
-    required : at least one must be given
+    """Let the user of a command, by its `parser`, replace nodes in the `forms` that are possible; `help_` is of the
+    option, and `required`: at least one must be given.
     """
     parser.add_argument(
         OPTION, action="append", default=[], metavar=f"NODE={forms}", required=required, help=help_.replace("%", "%%")
@@ -178,10 +193,8 @@ def _of_extra(node: str, kind: str, detail: str, source: str) -> list[str]:
 def external_settings(texts: Sequence[str], source: str = "") -> list[Setting]:
     """Return the changes by which real parts take the places of simulated ones, and the controller expects latencies.
 
-    Parameters
-    ----------
-    texts : NODE[=CLOCK[:LATENCY]] each, or a sensor's topic in the place of NODE
-    source : what the user wrote, to open error messages; "": the option of a command line
+    Each of `texts` is NODE[=CLOCK[:LATENCY]], or a sensor's topic in the place of NODE. `source` is what the user
+    wrote, to open error messages; "": the option of a command line.
     """
     source = source or " ".join(f"{OPTION} {text.partition('=')[0]}={EXTERNAL}" for text in texts)
     names = [text.partition("=")[0] for text in texts]

@@ -127,15 +127,11 @@ def named_files(scenario: Scenario) -> list[str]:
 
 
 def write_scenario(path: Path, text: str, *, needs_files: bool = True) -> None:
-    """Write a scenario file that is right, whole; else what was at its place stays as it was.
+    """Write the `text` of a scenario to the file `path` if it is right, whole; else what was at its place stays as it
+    was.
 
-    Parameters
-    ----------
-    path : of the file
-    text : of the file
-    needs_files : files that it names must be there
-
-    Raises ParameterError, in one line, where the scenario is wrong or the file cannot be written.
+    With `needs_files` the files that it names must be there. Raises ParameterError, in one line, where the scenario is
+    wrong or the file cannot be written.
     """
     _of_sections(parse_sections(text.encode(), str(path)), path, (), needs_files=needs_files)
     try:
@@ -160,12 +156,8 @@ def _of_sections(sections: Sections, path: Path, settings: Iterable[Setting | st
 
 
 def sections_for(model: Path, folder: Path) -> Sections:
-    """Return the sections of a scenario, fit for a file in another folder: files that it names are still found.
-
-    Parameters
-    ----------
-    model : file of the scenario
-    folder : of the file to be written
+    """Return the sections of the scenario in a file, `model`, fit for a file in another `folder`: files that it names
+    are still found.
 
     Raises ParameterError as `read_sections` does.
     """
@@ -193,27 +185,17 @@ def _found(given: Given, folder: Path | None = None) -> Given:
     return replace(given, value=f"{path.resolve()}{rest}")
 
 
-def make_scenario(values: Mapping[str, Mapping[str, object]], *, settings: Iterable[Setting | str] = ()) -> Scenario:
-    """Check a scenario that is in no file, for tests and studies.
-
-    Parameters
-    ----------
-    values : by node (or `/**`) and dotted name
-    settings : changes on top of them, as for `load_scenario`
-    """
+def make_scenario(values: Mapping[str, Mapping[str, object]]) -> Scenario:
+    """Check a scenario that is in no file, for tests and studies: its `values` by node (or `/**`) and dotted name."""
     given = {
         node: {name: Given(value, name, node) for name, value in of_node.items()} for node, of_node in values.items()
     }
-    return _checked("values", Path("values"), given, settings)
+    return _checked("values", Path("values"), given, ())
 
 
 def check_lengths(option: str, lengths: Iterable[float]) -> None:
-    """Refuse deployed lengths that a scenario could not have; raises ParameterError for the first.
-
-    Parameters
-    ----------
-    option : of the command line, named in the message
-    lengths : [m]
+    """Refuse deployed `lengths` [m] that a scenario could not have; raises ParameterError for the first, naming the
+    `option` of the command line.
     """
     parameters = describe(NODE_BY_NAME["winch_controller"].parameters_type())
     (allowed,) = (info for info in parameters if info.name == "length")

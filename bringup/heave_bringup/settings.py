@@ -107,14 +107,11 @@ def yaml_value(text: str, source: str) -> object:
 
 
 def near_places(target: str, name: str) -> list[str]:
-    """Return where there is a parameter of a `name` that the `target` does not know, with or without a group before it.
+    """Return where there is a parameter `name`, dotted, that the `target` does not know, with or without a group before
+    it.
 
-    First comes the target itself, then other nodes, those first whose name is the most alike.
-
-    Parameters
-    ----------
-    target : node, or `/**` for what all nodes share
-    name : dotted
+    First comes the target itself, a node or `/**` for what all nodes share, then other nodes, those first whose name is
+    the most alike.
     """
     found = [(where, of, _alike(of, name)) for where, of in _places() if _alike(of, name)]
     own = [(where, of, alike) for where, of, alike in found if where == target]

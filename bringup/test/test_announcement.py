@@ -7,8 +7,7 @@ import pytest
 from heave_bags.analyse.events import COMPENSATES
 from heave_bags.analyse.kpi_set import DEFINITION_OF
 from heave_bringup.closed_loop import ClosedLoop, loop_parameters
-from heave_bringup.run.announcement import announce
-from heave_bringup.run.criteria import parse_requirement
+from heave_bringup.run.criteria import announce, parse_requirement
 from heave_bringup.scenarios import load_scenario, shipped_scenarios
 
 LAST_PART = 10.0

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from heave_bringup.cli import main
-from heave_bringup.run.checks.files import check_files, check_rest
+from heave_bringup.run.before import check_files, check_rest
 from heave_bringup.scenarios import load_scenario
 from heave_node.parameters import ParameterError
 from heave_studies.operability.seas import read_record

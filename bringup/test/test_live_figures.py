@@ -1,9 +1,7 @@
-"""The live line: truth where there is truth, no efficiency of a law that is off or of a load on the seabed."""
+"""The live line: an estimate that is called one, no efficiency of a law that is off, and each loss once."""
 
-import math
 from types import SimpleNamespace
 
-import pytest
 from builtin_interfaces.msg import Time
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from heave_bags.analyse.events import ALARMS_PART, MODE_PART
@@ -12,62 +10,22 @@ from heave_bringup.run.monitor import Monitor
 from std_msgs.msg import Header
 
 
-def running(mode: str, *, is_landed: bool = False, depth_rate: float = 0.0) -> LiveFigures:
-    """Return what has seen 60 s, ten whole waves, of a unit that moves a tenth of the uncompensated one."""
-    live = LiveFigures()
-    live.note_mode(0.0, mode, "")
-    for number in range(600):
-        time = 0.1 * number
-        wave = math.sqrt(2.0) * math.cos(2.0 * math.pi * time / 6.0)  # whole periods of it have no slope
-        mean = -300.0 - depth_rate * time
-        live.note_truth(time, mean + 0.05 * wave, mean + 0.5 * wave, is_landed=is_landed)
-    return live
-
-
-@pytest.mark.parametrize("depth_rate", [0.0, 0.2])
-def test_the_truth_goes_before_the_estimate_also_while_the_unit_is_lowered(depth_rate):
-    words = running("compensating", depth_rate=depth_rate).words(1.0, -0.5)
-    assert words == "compensating, load 5.00 cm rms, efficiency 90.0 % (over 60 s)"
-
-
 def test_a_load_or_winch_from_a_bag_has_no_figures_of_this_run():
     live = LiveFigures(is_open_loop=True)
     live.note_mode(0.0, "compensating", "")
-    for number in range(600):
-        live.note_truth(0.1 * number, math.sin(number), 2.0 * math.sin(number), is_landed=False)
     assert live.words(1.0, 0.5) == "compensating, open loop: load and winch as recorded"
 
 
-def test_a_move_that_has_come_to_its_end_is_no_heave():
-    """The controller reports the depth once per second; the unit with the winch locked stays where it was."""
+def test_a_law_that_is_off_has_no_efficiency():
     live = LiveFigures()
-    live.note_mode(0.0, "compensating", "")
-    for number in range(601):
-        time = 0.1 * number
-        wave = math.sqrt(2.0) * math.cos(2.0 * math.pi * time / 6.0)
-        depth = 300.0 + min(max(time - 20.0, 0.0), 10.0) * 0.3
-        live.note_truth(time, -depth + 0.05 * wave, -300.0 + 0.5 * wave, is_landed=False)
-        if number % 10 == 0:
-            live.note_depth(time, depth)
-    assert live.words() == "compensating, load 5.00 cm rms, efficiency 90.0 % (over 60 s)"
+    live.note_mode(0.0, "off", "")
+    assert live.words(0.1, 0.447, 60.0) == "law off, load 10.00 cm rms (estimated over 60 s)"
 
 
-def test_a_law_that_is_off_and_a_unit_on_the_bottom_have_no_efficiency():
-    assert running("off").words(0.1, 0.447) == "law off, load 5.00 cm rms (over 60 s)"
-    assert running("constant_tension", is_landed=True).words(0.1, -1.93) == "load on the seabed, constant tension"
-    assert "efficiency" not in running("standby").words(0.1, 0.2)
-
-
-def test_without_truth_the_estimate_is_called_one():
+def test_the_estimate_is_called_one():
     live = LiveFigures()
     live.note_mode(1.0, "compensating", "")
     assert live.words(0.01, 0.9, 60.0) == "compensating, load 1.00 cm rms, efficiency 90.0 % (estimated over 60 s)"
-
-
-def test_what_was_before_a_change_of_mode_does_not_count():
-    live = running("standby")
-    live.note_mode(60.0, "compensating", "")
-    assert live.words() == "compensating"
 
 
 def diagnosed(mode: str, time: float, changes: dict[str, str], level: bytes = DiagnosticStatus.OK) -> DiagnosticArray:
@@ -117,7 +75,7 @@ def test_a_stop_for_another_reason_than_the_loss_is_told_as_well():
 
 def test_a_lost_sensor_is_told_once_by_the_controllers_alarms():
     """The part of the sensor says the same, up to a second later."""
-    lost, monitor = "MRU_FROZEN (high): readings do not change. Compensation fades out.", listener()
+    lost, monitor = "SENSOR_LOST, MRU (high): readings do not change. Compensation fades out.", listener()
     sensor = DiagnosticStatus(level=DiagnosticStatus.ERROR, name="winch_controller: sensor mru", message=lost)
     told = KeyValue(key="t = 9.80 s", value=lost)
     alarms = DiagnosticStatus(level=DiagnosticStatus.WARN, name=ALARMS_PART, message="1", values=[told])
@@ -128,7 +86,10 @@ def test_a_lost_sensor_is_told_once_by_the_controllers_alarms():
 
 
 def test_a_critical_alarm_is_an_error_of_the_run_in_whatever_mode():
-    monitor, lines = listener(), ("DRUM_NOT_HELD (critical): drum turns.", "DEPTH_SLOW (low): one reading a second.")
+    monitor, lines = (
+        listener(),
+        ("DRUM_NOT_HELD (critical): drum turns.", "SENSOR_DOUBTFUL, DEPTH (low): one reading a second."),
+    )
     values = [KeyValue(key="t = 9.80 s", value=line) for line in lines]
     alarms = DiagnosticStatus(level=DiagnosticStatus.WARN, name=ALARMS_PART, message="2", values=values)
     off = DiagnosticStatus(name=MODE_PART, message="off")

@@ -3,7 +3,7 @@
 import os
 
 import pytest
-from heave_bringup.other_ros import leave_out_other_ros
+from heave_bringup.cli import leave_out_other_ros
 
 
 @pytest.fixture

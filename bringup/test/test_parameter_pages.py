@@ -61,7 +61,7 @@ def test_the_command_prints_what_it_finds(capsys):
     assert main(["params", "winch_controller", "factor"]) == 0
     said = capsys.readouterr().out
     assert "factor" in said
-    assert "0 to 1" in said
+    assert "[0, 1]" in said
     assert "May be changed during a run." in said
     assert main(["params", "speed_limit", "--json", "-"]) == 0
     found = json.loads(capsys.readouterr().out)

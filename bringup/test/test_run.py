@@ -10,9 +10,9 @@ from contextlib import suppress
 from types import SimpleNamespace
 
 import pytest
+from heave_bringup.network import only_run_in_domain
 from heave_bringup.run import run
 from heave_bringup.run.launcher import Launcher, NodeProcess
-from heave_bringup.run.one_run import only_run_in_domain
 from heave_msgs.msg import TickStatus
 
 

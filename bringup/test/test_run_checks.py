@@ -4,7 +4,7 @@ import pytest
 from heave_bringup.cli import main
 from heave_bringup.errors import ExitStatus
 from heave_bringup.replacements import external_settings
-from heave_bringup.run.checks.waves import check_waves
+from heave_bringup.run.before import check_waves
 from heave_bringup.scenarios import load_scenario
 from heave_node.parameters import ParameterError
 

@@ -7,7 +7,6 @@ from pathlib import Path
 import pytest
 import yaml
 from cable_sim_node.winch.installed_drives import installed_drives
-from heave_bringup.cli import main
 from heave_bringup.nodes import NODES
 from heave_bringup.scenarios import load_scenario, make_scenario, shipped_scenarios
 from heave_bringup.settings import Setting, make_setting, parse_setting
@@ -61,13 +60,6 @@ def test_a_change_of_the_system_changes_the_sea_and_the_belief_of_it_and_a_chang
 )
 def test_a_shared_value_reaches_every_node_that_has_it(setting, node, name, value) -> None:
     assert flatten(load_scenario("b2_calm_300", settings=[setting]).parameters[node])[name] == value
-
-
-def test_a_file_of_the_old_form_is_read_as_before(file) -> None:
-    file.write_text(OLD_FORM)
-    scenario = load_scenario(str(file))
-    assert scenario.run.seed == 4
-    assert sea_periods(scenario) == (9.0, 9.0)
 
 
 def test_a_section_may_name_its_node_in_any_namespace_or_in_none(file) -> None:
@@ -272,17 +264,6 @@ def test_files_are_those_beside_the_scenario_and_found_before_anything_starts(tm
     with pytest.raises(ParameterError, match=r"own\.yaml: /\*\*: system\.vessel\.rao_file = 'rao\.csv': no such file"):
         load_scenario("ship/own.yaml")
     assert load_scenario("ship/own.yaml", needs_files=False).parameters["wave_vessel"].vessel.rao_file == "rao.csv"
-
-
-def test_a_file_that_cannot_be_used_is_refused_before_a_run_is_made(tmp_path, monkeypatch, capsys):
-    monkeypatch.chdir(tmp_path)
-    Path("rao.csv").write_text("no table\n")
-    options = ["--set", "system.vessel.model=rao", "--set", "system.vessel.rao_file=rao.csv"]
-    assert main(["run", "b2_calm_300", *options]) == 2
-    assert "rao.csv" in capsys.readouterr().err
-    assert not Path("runs").exists()
-    assert main(["design", "b2_calm_300", *options]) == 1
-    assert "rao.csv" in capsys.readouterr().err.splitlines()[-1]
 
 
 def choices() -> list[tuple[str, ParameterInfo, str]]:

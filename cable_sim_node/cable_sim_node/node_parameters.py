@@ -40,12 +40,8 @@ class CableSimNodeParameters(CableSimParameters):
         unit = self.unit
         stated = {
             "unit.oscillation": unit.oscillation.kc,
-            "unit.near_seabed": unit.near_seabed.distance,
-            "unit.near_surface": unit.near_surface.distance,
             "cable.loss_factor": self.cable.loss_factor,
         }
         without_effect = [name for name, value in stated.items() if value]
         if self.model == "linear" and without_effect:
             raise ValueError(f"model = linear knows no {without_effect[0]}: leave it out, or take model = lumped_mass")
-        if unit.near_seabed.distance and self.seabed.depth == 0.0:
-            raise ValueError("unit.near_seabed needs a seabed: give seabed.depth, or leave it out")

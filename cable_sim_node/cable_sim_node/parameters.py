@@ -140,8 +140,8 @@ class SeabedParameters:
     slope: tuple[float, ...] = parameter((0.0, 0.0),
         description="Rise of the bottom per metre along x and y.", length=2)  # fmt: skip
     profile: SeabedProfileParameters = group(SeabedProfileParameters)
-    stiffness: float = parameter(1e4, "N/m^2", 1.0, None, "Normal force per metre of cable and metre of penetration.")
-    damping: float = parameter(1e3, "N s/m^2", 0.0, None, "Normal damping per metre of cable.")
+    stiffness: float = 1e4  # normal force per metre of cable and metre of penetration [N/m^2]
+    damping: float = 1e3  # normal damping per metre of cable [N s/m^2]
     friction: float = parameter(0.5, "", 0.0, 5.0, "Coulomb coefficient.")
     unit_stiffness: float = parameter(1e6, "N/m", 1.0, None, "Normal stiffness under the unit.")
     unit_damping: float = parameter(1e5, "N s/m", 0.0, None, "Normal damping under the unit.")
@@ -159,19 +159,13 @@ class CurrentProfileParameters:
     depth: tuple[float, ...] = parameter((), "m", description="Depths of the profile, increasing; empty means uniform.")
     velocity_x: tuple[float, ...] = parameter((), "m/s", description="Velocity along x at each depth.")
     velocity_y: tuple[float, ...] = parameter((), "m/s", description="Velocity along y at each depth.")
-    time: tuple[float, ...] = parameter((), "s", description="Times of `factor`, increasing; empty means steady.")
-    factor: tuple[float, ...] = parameter((), description="Factor on the current at each time.")
 
     def __post_init__(self) -> None:
         check_ranges(self)
         if not len(self.depth) == len(self.velocity_x) == len(self.velocity_y):
             raise ValueError("current_profile.depth, .velocity_x and .velocity_y must have the same number of values")
-        if len(self.time) != len(self.factor):
-            raise ValueError("current_profile.time and .factor must have the same number of values")
-        for name in ("depth", "time"):
-            values = getattr(self, name)
-            if any(later <= earlier for earlier, later in itertools.pairwise(values)):
-                raise ValueError(f"current_profile.{name} must be strictly increasing")
+        if any(later <= earlier for earlier, later in itertools.pairwise(self.depth)):
+            raise ValueError("current_profile.depth must be strictly increasing")
 
 
 @dataclass(frozen=True)
@@ -204,12 +198,11 @@ class CompensatorParameters(Checked):
 
     stiffness: float = parameter(0.0, "N/m", 0.0, None, "Spring stiffness; 0 means no compensator.")
     damping: float = parameter(0.0, "N s/m", 0.0, None, "Damping of the compensator.")
-    moving_mass: float = parameter(500.0, "kg", 1.0, None, "Mass that moves with the sheave.")
+    moving_mass: float = 500.0  # that moves with the sheave [kg]
     stroke: float = parameter(4.0, "m", 1e-3, None, "Full stroke; the end stops are at plus and minus half of it.")
     stop_stiffness: float = 2e6  # stiffness of the end stops [N/m]
     stop_damping: float = 2e5  # damping of the end stops [N s/m]; the stops never pull
-    preload: float = parameter(0.0, "N", 0.0, None,
-        "Force at mid-stroke; 0 means the static top tension at the start of the run.")  # fmt: skip
+    preload: float = 0.0  # force at mid-stroke [N]; 0 means the static top tension at the start of the run
 
 
 @dataclass(frozen=True)

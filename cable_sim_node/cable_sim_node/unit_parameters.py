@@ -76,19 +76,6 @@ class OscillationParameters:
 
 
 @dataclass(frozen=True)
-class NearnessParameters:
-    """Factor on the unit's vertical added mass near a boundary; linear between the points, constant beyond them."""
-
-    distance: tuple[float, ...] = parameter((), "m", 0.0, None,
-        "Distance of each point, increasing; empty means no dependence.")  # fmt: skip
-    factor: tuple[float, ...] = parameter((), "", 0.0, None, "Factor on the vertical added mass.")
-
-    def __post_init__(self) -> None:
-        check_ranges(self)
-        _check_table("unit.near_seabed or unit.near_surface", {"distance": self.distance, "factor": self.factor})
-
-
-@dataclass(frozen=True)
 class UnitParameters:
     """The subsea unit, a point mass with its own added mass and drag along each axis of frame `world`."""
 
@@ -101,15 +88,12 @@ class UnitParameters:
         choices=("given", "box"))  # fmt: skip
     box: BoxParameters = group(BoxParameters)
     oscillation: OscillationParameters = group(OscillationParameters)
-    near_seabed: NearnessParameters = group(NearnessParameters)
-    near_surface: NearnessParameters = group(NearnessParameters)
     drag_coefficient: tuple[float, ...] = parameter((1.5, 1.5, 1.5), "", 0.0, None, "C_D along x, y, z.", length=3)
     drag_area: tuple[float, ...] = parameter((0.5, 0.5, 0.5), "m^2", 0.0, None,
         "Projected area along x, y, z.", length=3)  # fmt: skip
     # drag along each axis from the speed along it (thesis 5.2.2), or isotropic drag along the flow
     drag_law: str = "per_axis"
-    thrust: tuple[float, ...] = parameter((0.0, 0.0, 0.0), "N",
-        description="Constant thruster force on the unit, x, y, z.", length=3)  # fmt: skip
+    thrust: tuple[float, ...] = (0.0, 0.0, 0.0)  # constant thruster force on the unit, x, y, z [N]
     attachment_breaking_force: float = parameter(0.0, "N", 0.0, None,
         "Breaking force of what joins cable and unit (termination, shackle, padeye); 0 means not stated.")  # fmt: skip
     attachment_safety_factor: float = parameter(SAFETY_FACTOR, "", 1.0, 100.0,

@@ -115,15 +115,6 @@ def test_material_stays_at_rest_when_winch_and_boom_tip_move_alike():
     assert np.abs(response.unit_heave[late]).max() < 5e-3
 
 
-def test_two_runs_are_bit_for_bit_the_same():
-    time = np.arange(0.0, 30.0, 0.05)
-    motion = ramped_sine(time, 0.9, 1.0)
-    one = simulate_axial(LINE, 300.0, motion, 0.05)
-    other = simulate_axial(LINE, 300.0, motion, 0.05)
-    assert np.array_equal(one.unit_heave, other.unit_heave)
-    assert np.array_equal(one.top_tension, other.top_tension)
-
-
 def test_a_joint_between_alike_sections_is_not_felt():
     section = AxialSection(110.0, 1.5e7, 5.0, 35.0, 0.7)
     joined = AxialLine((section, dataclasses.replace(section, length=math.inf)), LINE.unit)

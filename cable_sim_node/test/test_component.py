@@ -1,4 +1,4 @@
-"""The plant component: driven systems against a peer code, readings, missing inputs, shadow, errors."""
+"""The plant component: readings, missing inputs, shadow, errors."""
 
 from __future__ import annotations
 
@@ -19,17 +19,11 @@ from cable_sim_node.sensors.instruments import (
     VelocitySensorParameters,
 )
 from heave_node.numerics.kinematics import PointMotion
-from heave_node.parameters import build_parameters
 from hypothesis import Phase, given, settings
 from hypothesis import strategies as st
 
-from tests.validation.peers.reference_systems import DEEP_900
-
 TICK = 0.05
-ALL_WET = {"segments": 40, "surface": False}
-"""As the peer's runs: water surrounds the top end too."""
 S300 = CableSimNodeParameters(length=300.0, segments=20, surface=False)
-S900 = build_parameters(CableSimNodeParameters, {**DEEP_900, **ALL_WET}, where="test")
 
 
 def ramped_sine(amplitude: tuple[float, float, float], omega: float, ramp: float) -> Callable[[int], PointMotion]:
@@ -59,40 +53,6 @@ def harmonic(times: np.ndarray, values: np.ndarray, omega: float) -> tuple[float
     basis = np.column_stack([np.ones_like(times), np.sin(omega * times), np.cos(omega * times)])
     mean, sine, cosine = np.linalg.lstsq(basis, values, rcond=None)[0]
     return float(mean), math.hypot(sine, cosine), math.degrees(math.atan2(cosine, sine))
-
-
-TWELVE_SECONDS = 2.0 * math.pi / 12.0
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    ("parameters", "amplitude", "omega", "times", "expected"),
-    [
-        (S300, (1.0, 1.0, 1.0), 0.628, (60.0, 300.0, 400.0), (1.054776, -0.198, -300.5912, 36517.0, 3160.4)),
-        (S300, (1.0, 1.0, 1.0), 1.256, (60.0, 300.0, 400.0), (1.264064, -1.131, -300.5841, 36541.2, 14933.0)),
-        (S900, (0.0, 0.0, 1.0), TWELVE_SECONDS, (200.0, 600.0, 1000.0), (1.02759, -179.422, -904.24, 98600.0, 35242.0)),
-    ],
-    ids=["s300 at 0.628 rad/s", "s300 at 1.256 rad/s", "s900 at 12 s"],
-)  # fmt: skip
-def test_driven_plant_agrees_with_the_peer_code(
-    parameters: CableSimNodeParameters,
-    amplitude: tuple[float, float, float],
-    omega: float,
-    times: tuple[float, float, float],
-    expected: tuple[float, float, float, float, float],
-) -> None:
-    """Expected: refined MoorDyn runs: unit heave, its phase, mean height, top tension, its first harmonic."""
-    ramp, start, end = times
-    sim = CableSim(parameters, seed=1, tick_period=TICK)
-    states = [s for s in drive(sim, ramped_sine(amplitude, omega, ramp), round(end / TICK)) if s.time >= start]
-    t = np.array([s.time for s in states])
-    mean, heave, phase = harmonic(t, np.array([s.unit.position[2] for s in states]), omega)
-    tension, swing, _ = harmonic(t, np.array([s.top_tension for s in states]), omega)
-    assert heave == pytest.approx(expected[0], rel=1e-3)
-    assert (phase - expected[1] + 180.0) % 360.0 - 180.0 == pytest.approx(0.0, abs=0.05)
-    assert mean == pytest.approx(expected[2], abs=0.01)
-    assert tension == pytest.approx(expected[3], rel=1e-3)
-    assert swing == pytest.approx(expected[4], rel=2e-3)
 
 
 def test_plant_rests_where_it_starts_and_its_sensors_say_so() -> None:
@@ -137,23 +97,6 @@ def test_cable_that_is_fed_as_the_boom_tip_heaves_holds_the_unit_still() -> None
     # What is left is the stretch of the cable that is fed, T/EA = 2.34 mm per metre, two metres peak to peak; the mass
     # on its spring (2.7 rad/s) makes that 1/(1 - (0.8/2.7)^2) = 1.1 times more.
     assert np.ptp(heave) == pytest.approx(1.1 * 2.0 * 36516.6 / 15614500.9, rel=0.05)
-
-
-def test_runs_of_one_seed_are_equal_bit_for_bit() -> None:
-    def run(seed: int) -> list[float]:
-        sim = CableSim(S300, seed=seed, tick_period=TICK)
-        motion = ramped_sine((0.5, 0.0, 1.0), 0.8, 5.0)
-        numbers: list[float] = []
-        for tick in range(1, 200):
-            state, readings = sim.readings(tick)
-            numbers += [state.top_tension, *state.unit.position]
-            for group in readings.values():
-                numbers += [float(v) for reading in group for v in reading.value]
-            sim.advance(tick, motion(tick + 1), (0.0, 0.0))
-        return numbers
-
-    assert run(5) == run(5)
-    assert run(5) != run(6)
 
 
 def test_missing_boom_tip_is_bridged_counted_and_kept_from_snapping_the_cable() -> None:
@@ -201,18 +144,6 @@ def test_cable_hauled_in_to_nothing_is_a_named_error() -> None:
     with pytest.raises(PlantError, match="of cable is left"):
         for tick in range(1, 1000):
             sim.advance(tick, PointMotion((tick + 1) * TICK), (-1.0 * tick * TICK, -1.0))
-
-
-def test_landing_is_seen_and_the_seabed_carries_the_unit() -> None:
-    parameters = dataclasses.replace(S300, length=50.0, segments=10, seabed=SeabedParameters(depth=51.0))
-    sim = CableSim(parameters, seed=1, tick_period=TICK)
-    for tick in range(1, 401):
-        state, _ = sim.readings(tick)
-        sim.advance(tick, PointMotion((tick + 1) * TICK), (min(0.1 * tick * TICK, 1.5), 0.1 if tick < 300 else 0.0))
-    assert state.touchdown
-    # Slack cable above: the bed carries the unit's weight in water, (3000 - 1025 * 0.354) * 9.80665 N, and some cable.
-    assert state.touchdown_force == pytest.approx((3000.0 - 1025.0 * 0.354) * 9.80665, rel=0.02)
-    assert state.segment_tensions.min() >= 0.0
 
 
 def test_shadow_follows_the_programme_where_told() -> None:

@@ -1,11 +1,8 @@
-import math
-
 import numpy as np
 import pytest
-from cable_sim_node.physics.drag import HARMONIC_DRAG, linear_drag, segment_drag
+from cable_sim_node.physics.drag import segment_drag
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
-from scipy.integrate import quad
 
 NORMAL, TANGENTIAL = 20.0, 3.0
 COMPONENT = st.floats(-1.0, 1.0).map(lambda value: round(value, 6))
@@ -48,24 +45,6 @@ def test_drag_derivatives_are_those_of_finite_differences(chord, flow, feed):
         assert by_chord[:, axis] == pytest.approx(change / (2.0 * step), abs=1e-4)
         change = drag(chord, flow + step * unit, feed) - drag(chord, flow - step * unit, feed)
         assert by_flow[:, axis] == pytest.approx(change / (2.0 * step), abs=1e-4)
-
-
-@given(VECTOR, VECTOR)
-def test_without_oscillation_the_linear_drag_is_the_derivative_by_the_flow(chord, flow):
-    assume(np.linalg.norm(chord) > 0.1)
-    damping, by_chord, by_flow = np.empty((3, 3)), np.empty((3, 3)), np.empty((3, 3))
-    linear_drag(np.array(chord), flow, 0.0, NORMAL, TANGENTIAL, damping)
-    segment_drag(np.array(chord), flow, 0.0, NORMAL, TANGENTIAL, by_chord, by_flow)
-    assert damping == pytest.approx(by_flow, abs=1e-9)
-
-
-@given(st.floats(0.01, 3.0))
-def test_in_still_water_the_linear_drag_takes_the_energy_of_the_quadratic_one(speed):
-    damping = np.empty((3, 3))
-    linear_drag(np.array([0.0, 0.0, 1.0]), (0.0, 0.0, 0.0), HARMONIC_DRAG * speed, NORMAL, TANGENTIAL, damping)
-    work, _ = quad(lambda phase: abs(speed * math.sin(phase)) ** 3, 0.0, 2.0 * math.pi)
-    linear_work = math.pi * speed**2
-    assert np.diag(damping) * linear_work == pytest.approx([NORMAL * work, NORMAL * work, TANGENTIAL * work], rel=1e-7)
 
 
 @given(VECTOR, VECTOR, VECTOR, VECTOR)

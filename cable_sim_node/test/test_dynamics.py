@@ -12,11 +12,9 @@ from cable_sim_node.parameters import (
     CableParameters,
     CableSimParameters,
     CompensatorParameters,
-    CurrentProfileParameters,
     SeabedParameters,
     SolverParameters,
     UnitParameters,
-    WaveKinematicsParameters,
 )
 from heave_node.numerics.kinematics import PointMotion
 from heave_node.parameters import ParameterError, build_parameters
@@ -49,14 +47,6 @@ def test_a_copy_runs_on_bit_for_bit_and_shares_nothing():
     assert not np.array_equal(branch.node_positions, plant.node_positions)
     driven(branch, motion, 50, first=50)
     assert np.array_equal(branch.node_positions, plant.node_positions)
-
-
-def test_two_objects_share_nothing():
-    motion = ramped_sine((0.0, 0.0, 2.0), 1.0, 5.0)
-    one, two = started(s300(20)), started(s300(20))
-    rest = two.node_positions
-    driven(one, motion, 100)
-    assert np.array_equal(two.node_positions, rest)
 
 
 @pytest.mark.parametrize("bad", [math.nan, math.inf])
@@ -263,33 +253,6 @@ def test_a_thruster_holds_the_unit_against_its_weight_sideways():
     assert plant.unit_position[0] == pytest.approx(offset, rel=1e-3)
 
 
-def test_a_current_that_grows_in_time_drags_the_unit_along():
-    parameters = dataclasses.replace(
-        s300(20),
-        current=(0.5, 0.0),
-        current_profile=CurrentProfileParameters(time=(0.0, 50.0, 100.0), factor=(0.0, 0.0, 1.0)),
-    )
-    plant = started(parameters)
-    for _ in range(500):
-        plant.advance(0.1, STILL, STILL, 0.0, 0.0, 0.0, 0.0)
-    assert abs(plant.unit_position[0]) < 1e-9
-    for _ in range(8000):
-        plant.advance(0.1, STILL, STILL, 0.0, 0.0, 0.0, 0.0)
-    assert plant.unit_position == pytest.approx(started(s300(20, (0.5, 0.0))).unit_position, abs=0.02)
-
-
-def test_a_wave_moves_only_what_is_near_the_surface():
-    """The unit at 300 m feels exp(-k z) of an 8 s wave: nothing; near the surface the line follows the orbit."""
-    plant = started(dataclasses.replace(s300(60), wave=WaveKinematicsParameters("regular", amplitude=2.0, period=8.0)))
-    swing = []
-    for _ in range(800):
-        plant.advance(0.05, STILL, STILL, 0.0, 0.0, 0.0, 0.0)
-        swing.append(plant.node_positions[[0, -4], 0])
-    reach = np.ptp(np.array(swing)[400:], axis=0)
-    assert reach[0] < 0.05
-    assert 0.02 < reach[1] < 8.0
-
-
 # --- seabed
 
 
@@ -313,22 +276,6 @@ def test_the_unit_lands_and_the_seabed_carries_what_the_cable_no_longer_does():
     assert penetration == pytest.approx((weight - pull) / 1e6, rel=0.05)
     assert np.linalg.norm(plant.unit_velocity) < 1e-3
     assert plant.touchdown_force == pytest.approx(weight - pull, rel=0.05)
-
-
-def test_friction_holds_on_a_gentle_slope_and_not_on_a_steep_one():
-    """Coulomb: at rest while tan(slope) < mu; otherwise it slides downhill."""
-    moved = []
-    for slope in (0.2, 0.8):
-        plant = started(landing(slope=(slope, 0.0), friction=0.5))
-        payout = 0.0
-        for k in range(2400):
-            after = min(0.2 * (k + 1) * 0.05, 15.0)
-            rate = 0.2 if after < 15.0 else 0.0
-            plant.advance(0.05, STILL, STILL, payout, rate if k else 0.0, after, rate)
-            payout = after
-        moved.append(-plant.unit_position[0])
-    assert abs(moved[0]) < 0.1  # while it lands, pulled along by the cable; then it rests: test_contact.py
-    assert moved[1] > 5.0
 
 
 # --- bending
@@ -363,41 +310,7 @@ def test_a_stiff_line_bends_as_a_tensioned_beam_under_uniform_load():
     assert plant.node_positions == pytest.approx(x, abs=1e-7)
 
 
-def test_a_stiff_line_sways_less_sharply_than_a_soft_one():
-    """The same push at the top: the largest angle between neighbours is smaller where bending is resisted."""
-    push = ramped_sine((2.0, 0.0, 0.0), 1.256, 5.0)
-    angles = []
-    for stiffness in (0.0, 5e5):
-        plant = started(dataclasses.replace(s300(60), cable=CableParameters(bending_stiffness=stiffness)))
-        driven(plant, push, 400)
-        e = np.diff(plant.node_positions, axis=0)
-        e /= np.linalg.norm(e, axis=1)[:, None]
-        angles.append(float(np.max(np.linalg.norm(np.diff(e, axis=0), axis=1))))
-    assert angles[1] < angles[0]
-
-
 # --- compensator
-
-
-def test_a_passive_compensator_takes_most_of_the_heave():
-    """Spring k under a line much stiffer than it: x/x0 = k/(k - (m) w^2) with damping left out, m all that moves
-    with the sheave.
-    """
-    spring = CompensatorParameters(stiffness=2e3, moving_mass=500.0, stroke=6.0)
-    parameters = dataclasses.replace(s300(10), cable=dataclasses.replace(CableParameters(), axial_stiffness=1e9))
-    omega = 1.0
-    result = run_driven(
-        dataclasses.replace(parameters, compensator=spring),
-        (0.0, 0.0, 0.3),
-        omega,
-        duration=600.0,
-        window=100.0,
-        ramp=100.0,
-    )
-    moving = 6000.0 + 300.0 * 5.4 + 500.0
-    linear = abs(2e3 / (2e3 - moving * omega**2))
-    assert linear < 0.4
-    assert result.unit_heave_amplitude == pytest.approx(0.3 * linear, rel=0.1)
 
 
 def test_the_compensator_stops_at_its_stroke():

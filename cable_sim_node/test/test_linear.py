@@ -13,7 +13,6 @@ from cable_sim_node.vertical.linear import (
     heave_transfer_function,
     mode_shape,
     natural_frequencies,
-    resonance_map,
     resonant_length,
 )
 from hypothesis import given, settings
@@ -136,16 +135,6 @@ def test_larger_waves_are_damped_more():
     omega = natural_frequencies(LINE, 900.0, 1)
     peaks = [abs(heave_transfer_function(LINE, 900.0, omega, amplitude=a).unit_heave[0]) for a in (0.1, 0.5, 2.0)]
     assert peaks[0] > peaks[1] > peaks[2] > 1.0
-
-
-def test_the_resonance_map_has_its_ridge_at_the_natural_frequency():
-    lengths = np.array([300.0, 600.0, 900.0])
-    omegas = np.linspace(0.2, 1.2, 401)
-    answer = resonance_map(lambda _: LINE, lengths, omegas, amplitude=0.5)
-    ridge = omegas[np.argmax(answer.unit_heave, axis=1)]
-    exact = [natural_frequencies(LINE, length, 1)[0] for length in lengths]
-    assert ridge == pytest.approx(exact, abs=omegas[1] - omegas[0])
-    assert omegas[np.argmax(answer.top_tension, axis=1)] == pytest.approx(exact, abs=2.0 * (omegas[1] - omegas[0]))
 
 
 def test_the_rough_resonant_length_is_exact_for_a_light_cable():

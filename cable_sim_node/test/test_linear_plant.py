@@ -26,7 +26,7 @@ def tip(z: float, rate: float) -> PointMotion:
 
 def test_it_agrees_with_a_quadrature_of_the_differential_equation() -> None:
     plant = make()
-    rest = plant.unit_position[2]
+    rest = plant.unit_motion()[0][2]
     rng = np.random.default_rng(1)
     values, rates = np.cumsum(rng.normal(0.0, 0.05, 41)), rng.normal(0.0, 0.5, 41)
     values -= values[0]
@@ -57,22 +57,22 @@ def test_it_agrees_with_a_quadrature_of_the_differential_equation() -> None:
         rtol=1e-10,
         atol=1e-12,
     ).y[:, -1]
-    assert plant.unit_position[2] - rest == pytest.approx(reference[0], abs=1e-7)
-    assert plant.unit_velocity[2] == pytest.approx(reference[1], abs=1e-7)
+    assert plant.unit_motion()[0][2] - rest == pytest.approx(reference[0], abs=1e-7)
+    assert plant.unit_motion()[1][2] == pytest.approx(reference[1], abs=1e-7)
     acceleration = (forcing(40 * TICK) - reference[0] - B * reference[1]) / A
-    assert plant.unit_acceleration[2] == pytest.approx(acceleration, abs=1e-6)
+    assert plant.unit_motion()[2][2] == pytest.approx(acceleration, abs=1e-6)
 
 
 @pytest.mark.parametrize("omega", [0.3, 1.0, 2.0])
 def test_its_steady_answer_is_the_transfer_function(omega: float) -> None:
     plant = make()
-    rest = plant.unit_position[2]
+    rest = plant.unit_motion()[0][2]
     ticks = int(600.0 / TICK)
     heave = []
     for k in range(ticks):
         ends = [tip(math.sin(omega * t), omega * math.cos(omega * t)) for t in (k * TICK, (k + 1) * TICK)]
         plant.advance(TICK, *ends, 0.0, 0.0, 0.0, 0.0)
-        heave.append(plant.unit_position[2] - rest)
+        heave.append(plant.unit_motion()[0][2] - rest)
     t = TICK * np.arange(1, ticks + 1)
     late = t > 300.0
     basis = np.column_stack([np.sin(omega * t[late]), np.cos(omega * t[late])])
@@ -83,10 +83,10 @@ def test_its_steady_answer_is_the_transfer_function(omega: float) -> None:
 
 def test_payout_lowers_the_unit_by_its_length_and_pays_no_tension() -> None:
     plant = make()
-    rest, tension = plant.unit_position[2], plant.top_tension
+    rest, tension = plant.unit_motion()[0][2], plant.top_tension
     for k in range(4000):
         plant.advance(TICK, tip(0.0, 0.0), tip(0.0, 0.0), min(0.01 * k, 2.0), 0.0, min(0.01 * (k + 1), 2.0), 0.0)
-    assert plant.unit_position[2] - rest == pytest.approx(-2.0, abs=1e-3)
+    assert plant.unit_motion()[0][2] - rest == pytest.approx(-2.0, abs=1e-3)
     assert plant.top_tension == pytest.approx(tension, rel=1e-3)
     assert plant.unstretched_length == pytest.approx(302.0)
 

@@ -6,7 +6,7 @@ import pytest
 from cable_sim_node.errors import LinearisationError
 from cable_sim_node.parameters import CableParameters, CableSimParameters, RopePathParameters, SeabedParameters
 from cable_sim_node.reports.modes import modes_report
-from cable_sim_node.unit_parameters import NearnessParameters, OscillationParameters, UnitParameters
+from cable_sim_node.unit_parameters import OscillationParameters, UnitParameters
 from scipy.optimize import brentq
 
 from tests.validation.peers.reference_systems import s900
@@ -35,25 +35,6 @@ def test_at_the_critical_length_the_cable_resonates_with_the_sea(deep):
     assert deep.critical_estimate == pytest.approx(deep.critical_length, rel=0.01)
 
 
-def test_the_line_in_space_has_the_heave_mode_of_the_bar(deep):
-    (heave,) = (mode for mode in deep.line if mode.direction == "heave")
-    assert heave.period == pytest.approx(deep.heave[0].period, rel=1e-3)
-    assert heave.unit_share == pytest.approx(1.0)
-    # (8/3 pi) rho/2 C_D S v over twice inertia and frequency, and a trace from the cable
-    unit = 8.0 / (3.0 * math.pi) * 512.5 * 0.5 * 2.0 * math.pi / 10.0 / (2.0 * 125e3 * 2.0 * math.pi / heave.period)
-    assert unit < heave.damping_ratio < 3.0 * unit
-
-
-def test_the_slowest_sway_is_the_pendulum_in_both_directions():
-    # a heavy unit on a light cable: w^2 = W/(M L)
-    plant = dataclasses.replace(s900(20), cable=CableParameters(diameter=0.01, mass_per_length=0.1))
-    report = modes_report(plant, sea_period=10.0)
-    weight = plant.unit.weight_in_fluid(1025.0)
-    expected = 2.0 * math.pi * math.sqrt(125e3 * 900.0 / weight)
-    assert [mode.period for mode in report.line[:2]] == pytest.approx([expected] * 2, rel=1e-2)
-    assert {mode.direction for mode in report.line[:2]} == {"sway"}
-
-
 def test_the_ridge_of_the_map_is_the_natural_period(deep):
     periods = 2.0 * math.pi / deep.resonances.omegas
     ridge = periods[np.argmax(deep.resonances.unit_heave, axis=1)]
@@ -62,36 +43,21 @@ def test_the_ridge_of_the_map_is_the_natural_period(deep):
     assert ridge[inside] == pytest.approx(deep.natural_periods[inside], abs=abs(periods[1] - periods[0]))
 
 
-def test_the_line_answers_in_heave_as_the_bar_does(deep):
-    # two linear models: the lumped line with one linear drag, the exact bar with that of each period's own answer; away
-    # from the resonance drag hardly matters
-    periods = 2.0 * math.pi / deep.response.omegas
-    far = np.abs(periods - deep.heave[0].period) > 3.0
-    assert np.abs(deep.response.unit[far, 2, 2]) == pytest.approx(
-        deep.resonances.unit_heave[-1, far], rel=5e-3, abs=2e-3
-    )
-    assert np.abs(deep.response.unit[~far, 2, 2]).max() > 10.0
-    # far below its period of 252 s a pendulum hardly follows its upper end
-    assert np.all(np.abs(deep.response.unit[:, 0, 0]) < 0.2)
-
-
 def test_what_has_no_part_in_it_is_named(deep):
     stiff = dataclasses.replace(
         s900(40),
         seabed=SeabedParameters(depth=1000.0),
         cable=dataclasses.replace(s900().cable, bending_stiffness=1e4, loss_factor=0.1),
-        unit=dataclasses.replace(s900().unit, near_seabed=NearnessParameters((1.0, 9.0), (2.0, 1.0))),
     )
     report = modes_report(stiff, sea_period=10.0)
-    assert report.line[0].period == pytest.approx(deep.line[0].period)
     assert report.heave[0].period == deep.heave[0].period
-    assert "not in the modes: cable.bending_stiffness; cable.loss_factor; unit.near_seabed" in report.table()
-    assert len(report.values()["left_out"]) == 3
+    assert "not in the modes: cable.bending_stiffness; cable.loss_factor" in report.table()
+    assert len(report.values()["left_out"]) == 2
     assert "not in the modes" not in deep.table()
 
 
 def test_the_rope_path_is_a_spring_in_series():
-    """12 t on 1,500 m of a light rope: w^2 = 1/(M (L/EA + 1/k)), 9.7 s; the line modes are named as without it."""
+    """12 t on 1,500 m of a light rope: w^2 = 1/(M (L/EA + 1/k)), 9.7 s."""
     unit = UnitParameters(mass=12e3, volume=0.0, added_mass=(0.0,) * 3, drag_coefficient=(0.0,) * 3)
     cable = CableParameters(diameter=0.001, mass_per_length=1e-3, axial_stiffness=3e7 * 20.0)
     soft = CableSimParameters(
@@ -101,7 +67,6 @@ def test_the_rope_path_is_a_spring_in_series():
     report = modes_report(soft, sea_period=8.0)
     assert report.heave[0].period == pytest.approx(period, rel=1e-4)
     assert report.natural_periods[-1] == pytest.approx(period, rel=1e-4)
-    assert "rope_path.stiffness (in the heave modes and the map, not in the line modes)" in report.table()
 
 
 def test_a_table_over_kc_swings_the_added_mass_of_kc_0():
@@ -116,10 +81,6 @@ def test_a_table_over_kc_swings_the_added_mass_of_kc_0():
 def test_table_and_values_name_every_mode(deep):
     values, table = deep.values(), deep.table()
     assert len(values["heave_periods_s"]) == 4
-    assert len(values["line_modes"]) == 8
-    assert values["is_stable"] is True
-    assert len(values["response"]) == len(deep.response.omegas)
-    assert "dies out" in table
     assert f"{deep.critical_length:.1f} m" in table
 
 

@@ -6,9 +6,8 @@ import dataclasses
 
 import numpy as np
 import pytest
-from cable_sim_node.errors import LinearisationError, NoEquilibriumError, PlantError
+from cable_sim_node.errors import NoEquilibriumError, PlantError
 from cable_sim_node.line.dynamics import CableDynamics
-from cable_sim_node.line.linearised import linearise
 from cable_sim_node.parameters import (
     CableParameters,
     CableSimParameters,
@@ -71,7 +70,7 @@ def test_a_landed_unit_on_a_taut_cable_in_a_current_is_the_moored_one() -> None:
     parameters = dataclasses.replace(S300, current=(0.5, 0.0), segments=60)
     plant = started(299.5, parameters)
     x, _, z = plant.unit_position
-    (held,) = mooring_report(parameters, -z, offsets=[-x]).cables
+    (held,) = mooring_report(parameters, -z, offsets=[-x]).rows
     assert plant.top_tension == pytest.approx(held.shape.top_tension, rel=3e-4)  # 60 segments
     assert abs(plant.top_force[0]) == pytest.approx(abs(held.pull), rel=3e-3)
     assert drift(plant, 60.0) < 1e-7
@@ -103,11 +102,6 @@ def test_a_unit_that_would_float_up_is_refused_with_the_reason() -> None:
     plant = CableDynamics(dataclasses.replace(S300, unit=UnitParameters(volume=4.0)))
     with pytest.raises(NoEquilibriumError, match="does not hang"):
         plant.start_at_equilibrium(np.zeros(3))
-
-
-def test_there_is_no_linear_model_of_a_line_on_the_seabed() -> None:
-    with pytest.raises(LinearisationError, match="lie on the seabed at 250 m"):
-        linearise(dataclasses.replace(S300, seabed=SeabedParameters(depth=250.0)))
 
 
 def test_a_compensator_takes_what_a_landed_unit_leaves_on_the_cable() -> None:

@@ -8,7 +8,7 @@ import pytest
 from cable_sim_node.line.dynamics import CableDynamics
 from cable_sim_node.line.forces.body import entering
 from cable_sim_node.parameters import CableParameters, CableSimParameters, SeabedParameters, SolverParameters
-from cable_sim_node.unit_parameters import BoxParameters, NearnessParameters, OscillationParameters, UnitParameters
+from cable_sim_node.unit_parameters import BoxParameters, OscillationParameters, UnitParameters
 from heave_node.numerics.constants import STANDARD_GRAVITY
 from heave_node.numerics.kinematics import PointMotion
 
@@ -83,22 +83,6 @@ def test_a_unit_that_sinks_steadily_has_the_drag_of_the_end_of_the_table():
         plant.advance(TICK, still, still, payout, rate, max(k - 19, 0) * TICK, float(k >= 19))
     paid_out = 1181 * TICK * STIFF.weight_in_fluid(DENSITY)
     assert plant.top_tension == pytest.approx(weight + paid_out - 0.5 * DENSITY * 1.5 * 4.0, rel=0.005)
-
-
-@pytest.mark.parametrize(
-    ("seabed", "near"),
-    [(60.0, "near_seabed"), (0.0, "near_surface")],
-)
-def test_near_a_boundary_the_added_mass_has_the_factor_of_the_table(seabed, near):
-    """50 m below the surface and 10 m above the bottom; factors 2 at 5 m and 1 at 15, 1.2 at 40 m and 1 at 60."""
-    tables = {
-        "near_seabed": (NearnessParameters(distance=(5.0, 15.0), factor=(2.0, 1.0)), 1.5),
-        "near_surface": (NearnessParameters(distance=(40.0, 60.0), factor=(1.2, 1.0)), 1.1),
-    }
-    table, factor = tables[near]
-    unit = UnitParameters(mass=5e4, volume=1.0, added_mass=(2e4,) * 3, drag_coefficient=(0.0,) * 3, **{near: table})
-    in_phase, _ = driven(plant_of(unit, seabed=seabed), 0.2, 1.0, seconds=80.0, window=40.0)
-    assert -in_phase / 0.2 == pytest.approx(5e4 + factor * 2e4, rel=0.003)
 
 
 BOX = BoxParameters(length=3.0, breadth=3.0, height=2.0, slamming=5.0)

@@ -13,7 +13,7 @@ from cable_sim_node.line.forces.waves import add_waves, surface_at
 from cable_sim_node.line.grid import build_line, with_waves
 from cable_sim_node.node_parameters import CableSimNodeParameters
 from cable_sim_node.parameters import CableParameters, CableSimParameters, WaveKinematicsParameters
-from cable_sim_node.unit_parameters import NearnessParameters, UnitParameters
+from cable_sim_node.unit_parameters import UnitParameters
 from heave_node.interface.waves import NO_WAVES, Waves
 from heave_node.numerics.compiled import kernel
 from heave_node.numerics.constants import STANDARD_GRAVITY
@@ -215,20 +215,6 @@ def test_a_regular_wave_that_is_none_or_would_break_is_refused(wave, words):
         WaveKinematicsParameters("regular", **wave)
 
 
-TABLE = {"distance": (1.0, 5.0), "factor": (2.0, 1.0)}
-
-
-@pytest.mark.parametrize(
-    ("values", "words"),
-    [
-        ({"unit": UnitParameters(near_seabed=NearnessParameters(**TABLE))}, "unit.near_seabed needs a seabed"),
-        ({"model": "linear", "cable": CableParameters(loss_factor=0.05)}, "model = linear knows no cable.loss_factor"),
-        (
-            {"model": "linear", "unit": UnitParameters(near_surface=NearnessParameters(**TABLE))},
-            "model = linear knows no unit.near_surface",
-        ),
-    ],
-)
-def test_what_would_have_no_effect_is_refused(values, words):
-    with pytest.raises(ValueError, match=words):
-        CableSimNodeParameters(**values)
+def test_a_linear_plant_refuses_a_rope_whose_friction_it_does_not_have():
+    with pytest.raises(ValueError, match=r"model = linear knows no cable\.loss_factor"):
+        CableSimNodeParameters(model="linear", cable=CableParameters(loss_factor=0.05))

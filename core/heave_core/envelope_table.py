@@ -9,11 +9,11 @@ from heave_core.rows import COUNTER, Row, Size, structure
 KEPT = Size("KEPT", 512)
 """Orders that are kept for the delay of the winch, in ticks."""
 
-BINS = 60
+BINS = Size("BINS", 60)
 """Bins of the window over which the ship's motion is watched."""
 
 
-STROKES = 64
+STROKES = Size("STROKES", 64)
 """Samples of the drum's way that are kept, to compare it with what was sent of late."""
 
 
@@ -391,32 +391,3 @@ ORDER = structure(
     Row("lowest", "m/s", "set-point down to which the controller may go next: a rate, or payout beyond the drum's [m]"),
     Row("highest", "m/s", "set-point up to which it may go next; infinite where no bound acts"),
 )
-
-STRUCTURES = (
-    WINCH,
-    CABLE,
-    BOUNDS,
-    DESIGN,
-    SENT,
-    DRUM,
-    STROKE,
-    BEYOND,
-    HELD_DRUM,
-    DRIFT,
-    MOVE,
-    BIN,
-    SPREAD,
-    STATE,
-    READINGS,
-    ORDER,
-)
-"""In the order in which C++ needs them."""
-
-RECORDS = (DESIGN, STATE, READINGS, ORDER)
-"""What Python and C++ hold together."""
-
-SIZES = {"KEPT": KEPT, "BINS": BINS, "STROKES": STROKES}
-"""Sizes of arrays."""
-
-ENUMERATIONS: tuple[type[IntEnum | IntFlag], ...] = (Duty, Phase, Cause, MoveKind, DriveState, Bit)
-"""Names of numbers, and of bits."""

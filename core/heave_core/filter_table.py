@@ -5,8 +5,6 @@ A pass is one linear filter over a record, in many versions of the record at onc
 
 from __future__ import annotations
 
-from enum import IntEnum, IntFlag
-
 from heave_core.rows import COUNTER, Row, Size, structure
 
 STATES = Size("STATES", 96)
@@ -148,21 +146,3 @@ PASS_READING = structure(
     Row("noise", "", "variance"),
     Row("used", "", "1: it is taken in; 0: judged alone"),
 )
-
-STRUCTURES = (DRAG, SLACK, FILTER, READING, FILTER_TICK, SAID, FILTER_STATE, PASS, PASS_TICK, PASS_READING)
-"""In the order in which C++ needs them."""
-
-RECORDS = (FILTER, READING, FILTER_TICK, SAID, FILTER_STATE, PASS, PASS_TICK, PASS_READING)
-"""What Python and C++ hold together."""
-
-SIZES = {
-    "STATES": STATES,
-    "MEASUREMENTS": MEASUREMENTS,
-    "PAST": PAST,
-    "PAST_TICKS": PAST_TICKS,
-    "USED": USED,
-}
-"""Sizes of arrays."""
-
-ENUMERATIONS: tuple[type[IntEnum | IntFlag], ...] = ()
-"""Names of numbers, and of bits."""

@@ -14,7 +14,7 @@ PLAN_ROWS = Size("PLAN_ROWS", 2048)
 PLAN_NUMBERS = Size("PLAN_NUMBERS", 131072)
 """Numbers of those rows that fit: rows times states."""
 
-FOLLOWED = 20
+FOLLOWED = Size("FOLLOWED", 20)
 """Ticks for which the corrections of a plan are kept: the most between two solutions, `mpc.solve_ticks`."""
 
 TENSION_TICKS = Size("TENSION_TICKS", 1024)
@@ -23,7 +23,7 @@ TENSION_TICKS = Size("TENSION_TICKS", 1024)
 ALONE_STATES = Size("ALONE_STATES", 40)
 """States of the sea, and one, that fit where tension and drum lead alone."""
 
-HALVINGS = 20
+HALVINGS = Size("HALVINGS", 20)
 """Halvings of a tick that find when a limited servo has reached its linear speed: to 5e-8 of the tick."""
 
 
@@ -424,43 +424,3 @@ ACT_DONE = structure(
     Row("load_news", "", "LoadNews: what has just begun"),
     Row("is_replaced", "", "1: the envelope has sent another order"),
 )
-
-STRUCTURES = (
-    MEAN_PAYOUT,
-    MEAN_MOTION,
-    ACTIVE_WINCH,
-    LAW,
-    LAW_STATE,
-    PROBLEM,
-    WANTED,
-    GOVERNED,
-    TENSION_RECORD,
-    TENSION_ALONE,
-    TENSION_RATE,
-    TENSION_LAW,
-    TENSION_STATE,
-    COMMAND_DESIGN,
-    COMMAND_STATE,
-    LOOP,
-    COMMAND,
-    PLACE,
-    ACT_SEEN,
-    ACT_DONE,
-)
-"""In the order in which C++ needs them."""
-
-RECORDS = STRUCTURES
-"""What Python and C++ hold together."""
-
-SIZES = {
-    "PLAN_ROWS": PLAN_ROWS,
-    "PLAN_NUMBERS": PLAN_NUMBERS,
-    "FOLLOWED": FOLLOWED,
-    "TENSION_TICKS": TENSION_TICKS,
-    "ALONE_STATES": ALONE_STATES,
-    "HALVINGS": HALVINGS,
-}
-"""Sizes of arrays."""
-
-ENUMERATIONS: tuple[type[IntEnum | IntFlag], ...] = (LawKind, RowKind, Way, Asks, Shaped, Moved)
-"""Names of numbers, and of bits."""

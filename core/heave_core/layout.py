@@ -10,7 +10,10 @@ copy of the state is a core at that tick.
 from __future__ import annotations
 
 import hashlib
+import re
 from collections.abc import Mapping
+from enum import EnumMeta
+from pathlib import Path
 
 from heave_core import (
     envelope_table,
@@ -22,7 +25,7 @@ from heave_core import (
     sense_table,
     watch_table,
 )
-from heave_core.rows import COUNTER, NUMBER, Structure
+from heave_core.rows import COUNTER, NUMBER, Size, Structure
 
 TABLES = (
     envelope_table,
@@ -36,16 +39,15 @@ TABLES = (
 )
 """By subject, in the order in which C++ needs them."""
 
-STRUCTURES = tuple(one for table in TABLES for one in table.STRUCTURES)
-"""In the order in which C++ needs them."""
+_DEFINED = tuple(one for table in TABLES for one in vars(table).values())
 
-RECORDS = tuple(one for table in TABLES for one in table.RECORDS)
-"""What Python and C++ hold together."""
+STRUCTURES = tuple(dict.fromkeys(one for one in _DEFINED if isinstance(one, Structure)))
+"""In the order in which the tables define them, which C++ needs."""
 
-ENUMERATIONS = tuple(one for table in TABLES for one in table.ENUMERATIONS)
+ENUMERATIONS = tuple(dict.fromkeys(one for one in _DEFINED if isinstance(one, EnumMeta) and one.__members__))
 """Names of numbers, and of bits."""
 
-SIZES = {name: size for table in TABLES for name, size in table.SIZES.items()}
+SIZES = {one.text: one for one in _DEFINED if isinstance(one, Size)}
 """Sizes of arrays."""
 
 _C_TYPES = {NUMBER: "double", COUNTER: "int"}
@@ -65,17 +67,28 @@ def _struct(structure: Structure) -> str:
 def _body(sizes: Mapping[str, int]) -> str:
     """Return the declarations, with these `sizes` of arrays."""
     named = ", ".join(f"{name} = {int(size)}" for name, size in sizes.items())
-    held = ", ".join(f"sizeof({record.name})" for record in RECORDS)
-    records = f"// What Python holds as well\nconstexpr long long RECORD_SIZES[] = {{{held}}};"
+    held = ", ".join(f"sizeof({record.name})" for record in STRUCTURES)
+    records = f"// As Python has them\nconstexpr long long STRUCTURE_SIZES[] = {{{held}}};"
     names = [
         f"enum {kind.__name__} {{ {', '.join(f'{one.name} = {int(one)}' for one in kind)} }};" for kind in ENUMERATIONS
     ]
     return "\n\n".join([f"enum {{ {named} }};", *names, *map(_struct, STRUCTURES), records])
 
 
+def interface() -> tuple[tuple[str, str, tuple[str, ...]], ...]:
+    """Return result, name and types of the arguments of each function in `src/interface.cpp`."""
+    text = (Path(__file__).parent / "src" / "interface.cpp").read_text(encoding="utf-8")
+    found = re.findall(r"^(\w[\w ]*) (heave_core_\w+)\(([^)]*)\)", text, re.MULTILINE)
+    return tuple(
+        (result, name, tuple(re.sub(r"\w+$", "", one.strip()).strip() for one in arguments.split(",") if one))
+        for result, name, arguments in found
+    )
+
+
 def layout_number() -> int:
     """Return the number of this layout, which library and Python must share: 63 bits of the declarations' digest."""
-    declared = "\n".join(line.partition("//")[0].rstrip() for line in _body(SIZES).splitlines())
+    lines = [line.partition("//")[0].rstrip() for line in _body(SIZES).splitlines()]
+    declared = "\n".join([*lines, *map(str, interface())])
     return int.from_bytes(hashlib.sha256(declared.encode()).digest()[:8], "big") >> 1
 
 

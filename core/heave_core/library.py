@@ -23,129 +23,8 @@ from heave_core.rows import Structure
 NAME = "libheave_core.so"
 """Of the library."""
 
-_POINTER, _COUNT, _NUMBER = ctypes.c_void_p, ctypes.c_int, ctypes.c_double
-
-ARGUMENTS: Mapping[str, tuple[Any, ...]] = {
-    "heave_core_begin": (_POINTER,),
-    "heave_core_envelope": (_POINTER,) * 4,
-    "heave_core_filter_begin": (_POINTER,) * 2,
-    "heave_core_filter": (*(_POINTER,) * 3, _COUNT, *(_POINTER,) * 2),
-    "heave_core_pass": (_POINTER,) * 11,
-    "heave_core_servo": (*(_POINTER,) * 4, _COUNT, _POINTER),
-    "heave_core_unit": (_POINTER, _POINTER, _NUMBER, _NUMBER, _POINTER),
-    "heave_core_unit_motion": (_POINTER,) * 3,
-    "heave_core_unit_continue": (_POINTER, _POINTER, _NUMBER, _NUMBER),
-    "heave_core_look": (_POINTER,) * 7,
-    "heave_core_look_again": (_POINTER,) * 6,
-    "heave_core_look_begin_share": (_POINTER,) * 2,
-    "heave_core_look_continue_shadow": (_POINTER, _POINTER, _NUMBER, _NUMBER),
-    "heave_core_look_continue_hanging": (_POINTER, _POINTER, _NUMBER, _NUMBER),
-    "heave_core_look_take_unit": (_POINTER, _POINTER, _NUMBER, _NUMBER),
-    "heave_core_guard": (*(_POINTER,) * 5, _COUNT, _COUNT, _POINTER),
-    "heave_core_guard_demand": (_POINTER,) * 3,
-    "heave_core_guard_begin": (_POINTER,),
-    "heave_core_guard_allow_resumption": (_POINTER,) * 2,
-    "heave_core_guard_reset_mismatch": (_POINTER,),
-    "heave_core_sigma": (_POINTER, _NUMBER, _NUMBER, _NUMBER),
-    "heave_core_landing_begin": (_POINTER,),
-    "heave_core_landing_depth": (_POINTER, _NUMBER, _NUMBER),
-    "heave_core_landing_observe": (_POINTER,) * 3,
-    "heave_core_landing": (_POINTER,) * 3,
-    "heave_core_trend": (_POINTER, _NUMBER, _NUMBER, _NUMBER, _POINTER),
-    "heave_core_kpi_add": (_POINTER,) * 4,
-    "heave_core_kpi": (_POINTER,) * 4,
-    "heave_core_drum_add": (_POINTER,) * 5,
-    "heave_core_drum_reset": (*(_POINTER,) * 4, _NUMBER),
-    "heave_core_drum_error": (_POINTER,) * 4,
-    "heave_core_drum_ordered": (*(_POINTER,) * 4, _COUNT, _POINTER),
-    "heave_core_link_command": (*(_POINTER,) * 3, _COUNT, _COUNT, _NUMBER),
-    "heave_core_link_silence": (_POINTER, _POINTER, _COUNT, _NUMBER),
-    "heave_core_watch_winch": (_POINTER,) * 6,
-    "heave_core_approach_speed": (_NUMBER,) * 3,
-    "heave_core_govern": (_POINTER,) * 3,
-    "heave_core_restart_law": (_POINTER,),
-    "heave_core_ask_law": (_POINTER,) * 4,
-    "heave_core_follow_plan": (_POINTER,) * 4,
-    "heave_core_bound_plan": (_POINTER,) * 4,
-    "heave_core_pose": (_POINTER,) * 5,
-    "heave_core_make": (_POINTER,) * 6,
-    "heave_core_answer": (_POINTER,) * 8,
-    "heave_core_act": (_POINTER,) * 8,
-    "heave_core_act_tick": (_POINTER,),
-    "heave_core_act_pose": (_POINTER,),
-    "heave_core_act_answer": (_POINTER,),
-    "heave_core_act_make": (_POINTER,),
-    "heave_core_act_leave": (_POINTER,),
-    "heave_core_place": (_POINTER, _NUMBER, _NUMBER, _NUMBER, _COUNT),
-    "heave_core_load_begin": (_POINTER,) * 2,
-    "heave_core_load": (_POINTER, _POINTER, _NUMBER, _NUMBER, _COUNT),
-    "heave_core_proofs_begin": (_POINTER,) * 2,
-    "heave_core_prove": (*(_POINTER,) * 3, _COUNT, *(_POINTER,) * 2),
-    "heave_core_proofs_ask": (_POINTER, _COUNT),
-    "heave_core_modes": (_POINTER,) * 3,
-    "heave_core_modes_event": (_POINTER, _POINTER, _COUNT, _POINTER),
-    "heave_core_modes_request": (_POINTER, _POINTER, _COUNT, _POINTER),
-    "heave_core_modes_missing": (_POINTER, _POINTER, _COUNT, _POINTER),
-    "heave_core_attempts_release": (_POINTER,) * 4,
-    "heave_core_attempts_explain": (_POINTER,),
-    "heave_core_attempts_largest": (_POINTER,) * 2,
-    "heave_core_attempts_awaits": (_POINTER,) * 2,
-    "heave_core_supervision_begin": (_POINTER,),
-    "heave_core_supervision_reset_sea": (_POINTER,),
-    "heave_core_supervise": (_POINTER,) * 2,
-    "heave_core_advance_mean": (_POINTER,),
-    "heave_core_is_moving": (_POINTER,),
-    "heave_core_ticks_to_go": (_POINTER, _COUNT),
-    "heave_core_advance_motion": (*(_POINTER,) * 3, _COUNT, _NUMBER, _COUNT),
-    "heave_core_note_tension": (_POINTER, _NUMBER, _NUMBER),
-    "heave_core_read_tip": (_POINTER,) * 2,
-    "heave_core_follow_tip": (_POINTER,) * 2,
-    "heave_core_sense_begin": (_POINTER,) * 2,
-    "heave_core_sense": (_POINTER,) * 16,
-    "heave_core_second": (*(_POINTER,) * 14, _NUMBER, _COUNT, _POINTER),
-    "heave_core_restart_consistency": (_POINTER,),
-    "heave_core_restart_tension": (_POINTER,),
-    "heave_core_sea_begin": (_POINTER,),
-    "heave_core_sea": (_POINTER, _NUMBER, _POINTER, _NUMBER, _NUMBER),
-    "heave_core_sea_innovation": (_POINTER, _NUMBER, _POINTER, _NUMBER, _NUMBER),
-    "heave_core_sea_height": (_POINTER,) * 2,
-    "heave_core_sea_waves": (_POINTER,) * 2,
-    "heave_core_restart_steps": (_POINTER,),
-    "heave_core_rescale_encoder": (_POINTER, _NUMBER, _NUMBER),
-    "heave_core_trust_encoder": (_POINTER,),
-    "heave_core_gate": (_POINTER, _POINTER, _COUNT, _NUMBER, _NUMBER, _POINTER, _COUNT, _COUNT),
-    "heave_core_gate_tick": (_POINTER, _POINTER, _COUNT, _NUMBER),
-    "heave_core_gate_take_back": (_POINTER, _POINTER, _COUNT, _COUNT, _COUNT),
-    "heave_core_gate_is_slow": (_POINTER, _POINTER, _COUNT),
-    "heave_core_mru": (_POINTER, _POINTER, _NUMBER, _POINTER),
-    "heave_core_mru_is_off": (_POINTER, _POINTER, _POINTER, _NUMBER),
-    "heave_core_depth": (_POINTER, _POINTER, _NUMBER, _NUMBER, _NUMBER),
-    "heave_core_encoder_pass": (_POINTER, _POINTER, _NUMBER, _NUMBER),
-    "heave_core_encoder": (_POINTER, _POINTER, _NUMBER, _NUMBER, _NUMBER, _NUMBER, _COUNT),
-    "heave_core_noise": (_POINTER, _POINTER, _COUNT, _NUMBER, _NUMBER),
-    "heave_core_noise_is_worse": (_POINTER, _POINTER, _COUNT),
-    "heave_core_consistency": (_POINTER,) * 3,
-    "heave_core_tension": (_POINTER, _POINTER, _NUMBER, _NUMBER, _COUNT),
-    "heave_core_lead_alone": (_POINTER, _POINTER, _NUMBER, _NUMBER, _COUNT, _POINTER),
-}
-"""Types of the arguments of each function."""
-
-RESULTS: Mapping[str, Any] = {
-    **dict.fromkeys(("heave_core_approach_speed", "heave_core_read_tip", "heave_core_follow_tip"), _NUMBER),
-    **dict.fromkeys(("heave_core_ask_law", "heave_core_answer", "heave_core_act"), _COUNT),
-    **dict.fromkeys(("heave_core_advance_mean", "heave_core_is_moving", "heave_core_ticks_to_go"), _COUNT),
-    **dict.fromkeys(("heave_core_sea_height", "heave_core_sea_waves", "heave_core_depth"), _NUMBER),
-    **dict.fromkeys(("heave_core_encoder", "heave_core_noise"), _NUMBER),
-    **dict.fromkeys(("heave_core_advance_motion", "heave_core_sea", "heave_core_gate", "heave_core_mru"), _COUNT),
-    **dict.fromkeys(("heave_core_gate_is_slow", "heave_core_mru_is_off", "heave_core_noise_is_worse"), _COUNT),
-    **dict.fromkeys(("heave_core_consistency", "heave_core_modes", "heave_core_modes_event"), _COUNT),
-    **dict.fromkeys(("heave_core_modes_request", "heave_core_modes_missing", "heave_core_attempts_awaits"), _COUNT),
-    "heave_core_attempts_largest": _NUMBER,
-    "heave_core_prove": _COUNT,
-    **dict.fromkeys(("heave_core_drum_error", "heave_core_place"), _NUMBER),
-    **dict.fromkeys(("heave_core_act_tick", "heave_core_act_answer", "heave_core_load"), _COUNT),
-}
-"""Types of what those functions return that return anything."""
+_TYPES = {"double": ctypes.c_double, "int": ctypes.c_int, "long long": ctypes.c_longlong, "void": None}
+"""Of numbers and results; all else is a pointer."""
 
 
 class LibraryError(RuntimeError):
@@ -183,8 +62,8 @@ def _prefixes() -> Iterator[Path]:
 def _check(library: Any, path: Path) -> None:
     """Refuse a library with another layout, in one line."""
     library.heave_core_layout.restype = library.heave_core_size.restype = ctypes.c_longlong
-    sizes = [dtype_of(structure).itemsize for structure in layout.RECORDS]
-    found = [library.heave_core_size(place) for place in range(len(layout.RECORDS))]
+    sizes = [dtype_of(structure).itemsize for structure in layout.STRUCTURES]
+    found = [library.heave_core_size(place) for place in range(len(layout.STRUCTURES))]
     number = library.heave_core_layout()
     if number != layout.layout_number() or found != sizes:
         raise LibraryError(
@@ -207,9 +86,9 @@ def library() -> Any:
         )
     loaded = ctypes.CDLL(str(path))
     _check(loaded, path)
-    for name, arguments in ARGUMENTS.items():
+    for result, name, arguments in layout.interface():
         function = getattr(loaded, name)
-        function.argtypes, function.restype = arguments, RESULTS.get(name)
+        function.argtypes, function.restype = [_TYPES.get(one, ctypes.c_void_p) for one in arguments], _TYPES[result]
     return loaded
 
 

@@ -293,31 +293,3 @@ VERDICT = structure(
     Row("measured", "", "variance that the waves show to be left of it; below 0: they are not compared"),
     Row("shown", "", "authority that unit and drum show"),
 )
-
-STRUCTURES = (
-    HANGING_CABLE,
-    HANGING_UNIT,
-    LOOK_DESIGN,
-    LOOK_STATE,
-    LOOK_INPUTS,
-    MOTIONS,
-    SIGMA,
-    LIMIT,
-    AMPLITUDE,
-    DETRENDED,
-    DEMAND,
-    GUARD_DESIGN,
-    GUARD_STATE,
-    SEEN,
-    VERDICT,
-)
-"""In the order in which C++ needs them."""
-
-RECORDS = STRUCTURES
-"""What Python and C++ hold together."""
-
-ENUMERATIONS = (Harm,)
-"""Names of bits."""
-
-SIZES = {"KNOTS": KNOTS}
-"""Sizes of arrays."""

@@ -10,10 +10,10 @@ from enum import IntEnum, IntFlag
 from heave_core.look_table import SIGMA
 from heave_core.rows import COUNTER, Row, Size, structure
 
-MODE_ROWS = 128
+MODE_ROWS = Size("MODE_ROWS", 128)
 """Most rows of the table, one for each mode that it leaves."""
 
-ACTIONS = 3
+ACTIONS = Size("ACTIONS", 3)
 """Most actions of a row."""
 
 
@@ -132,13 +132,13 @@ class Happened(IntFlag):
     UNIT_EVENT = 512
 
 
-EPISODES = 3
+EPISODES = Size("EPISODES", 3)
 """Causes that are reported once for as long as they come and go."""
 
 UNIT_PAST = Size("UNIT_PAST", 8192)
 """Ticks for which the unit's heave is kept, for a depth reading that comes late."""
 
-MODES = 9
+MODES = Size("MODES", 9)
 """Number of modes."""
 
 MODE_ROW = structure(
@@ -364,34 +364,3 @@ SUPERVISED = structure(
     Row("gates", "", "bits of Gate: for compensation"),
     Row("tension_gates", "", "bits of Gate: for constant tension"),
 )
-
-STRUCTURES = (
-    MODE_ROW,
-    MODE_DESIGN,
-    MODE_STATE,
-    SITUATION,
-    ATTEMPT_DESIGN,
-    ATTEMPT_STATE,
-    SUPERVISION_DESIGN,
-    SUPERVISION_STATE,
-    SUPERVISION_SEEN,
-    SUPERVISED,
-)
-"""In the order in which C++ needs them."""
-
-RECORDS = STRUCTURES[1:]
-"""What Python and C++ hold together."""
-
-SIZES = {"MODE_ROWS": MODE_ROWS, "ACTIONS": ACTIONS, "MODES": MODES, "EPISODES": EPISODES, "UNIT_PAST": UNIT_PAST}
-"""Sizes of arrays."""
-
-ENUMERATIONS: tuple[type[IntEnum | IntFlag], ...] = (
-    ModeNumber,
-    ModeEvent,
-    ModeGuard,
-    ModeAction,
-    WhyOff,
-    Gate,
-    Happened,
-)
-"""Names of numbers, and of bits."""

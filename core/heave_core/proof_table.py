@@ -16,7 +16,7 @@ PROOF_READINGS = Size("PROOF_READINGS", 20480)
 FALL_TICKS = Size("FALL_TICKS", 640)
 """Most ticks over which the fall of the tension is looked at."""
 
-WITNESSES = 2
+WITNESSES = Size("WITNESSES", 2)
 """Sensors that the MRU is compared with: load cell, depth sensor."""
 
 
@@ -107,7 +107,7 @@ EXPECTED = structure(
     Row("values", "", "what each witness should read, low-passed", shape=(WITNESSES, PROOF_TICKS)),
 )
 
-BESIDE = 4
+BESIDE = Size("BESIDE", 4)
 """What a record may hold beside the motion: offset, trend, and a free swing of two phases."""
 
 PROOF_WORK = structure(
@@ -174,21 +174,3 @@ PROOF_SEEN = structure(
     Row("runs", "", "1: the envelope has found by the count that the braked drum runs"),
     Row("has_swung", "", "1: the envelope has found that compensation swings the load higher"),
 )
-
-STRUCTURES = (PROOF_DESIGN, WITNESS_RECORD, EXPECTED, PROOF_WORK, PROOF_STATE, PROOF_SEEN)
-"""In the order in which C++ needs them."""
-
-RECORDS = (PROOF_DESIGN, PROOF_WORK, PROOF_STATE, PROOF_SEEN)
-"""What Python and C++ hold together."""
-
-SIZES = {
-    "PROOF_TICKS": PROOF_TICKS,
-    "PROOF_READINGS": PROOF_READINGS,
-    "FALL_TICKS": FALL_TICKS,
-    "WITNESSES": WITNESSES,
-    "BESIDE": BESIDE,
-}
-"""Sizes of arrays."""
-
-ENUMERATIONS: tuple[type[IntEnum | IntFlag], ...] = (Standing, ProofNews)
-"""Names of numbers, and of bits."""

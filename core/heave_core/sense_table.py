@@ -8,19 +8,19 @@ from heave_core.filter_table import MEASUREMENTS, STATES
 from heave_core.look_table import MOTIONS
 from heave_core.rows import COUNTER, Row, Size, structure
 
-SENSORS = 8
+SENSORS = Size("SENSORS", 8)
 """Most sensors with a gate."""
 
-NOISE_READINGS = 100
+NOISE_READINGS = Size("NOISE_READINGS", 100)
 """Readings that the noise is judged by, once there are so many."""
 
-INTERVALS = 5
+INTERVALS = Size("INTERVALS", 5)
 """Intervals by whose median a sensor's own rate is known."""
 
-READ = 4
+READ = Size("READ", 4)
 """Most numbers of a reading that the gate looks at."""
 
-SHARES = 64
+SHARES = Size("SHARES", 64)
 """Ticks for which the mean payout's share is kept, for readings that come late."""
 
 TRAVELS = Size("TRAVELS", 10240)
@@ -490,45 +490,3 @@ SECOND = structure(
     Row("second", "", "the same of this one", shape=(MEASUREMENTS,)),
     Row("count", "", "readings in these sums", shape=(MEASUREMENTS,)),
 )
-
-STRUCTURES = (
-    HEALTH,
-    SENSOR,
-    MEASURED,
-    STEP_LIMITS,
-    WATCHES,
-    SEA_DESIGN,
-    SENSE_DESIGN,
-    SAMENESS,
-    INTERVAL,
-    GATE,
-    NOISE,
-    MRU_STEPS,
-    DEPTH_JUMPS,
-    ENCODER,
-    SEA_STATE,
-    TENSION_MEAN,
-    SENSE_STATE,
-    DELIVERED,
-    OBSERVED,
-    LOOK_AT,
-    SECOND,
-    TICK,
-)
-"""In the order in which C++ needs them."""
-
-RECORDS = (SENSE_DESIGN, SENSE_STATE, DELIVERED, OBSERVED, LOOK_AT, TICK, SEA_DESIGN, SEA_STATE, SECOND)
-"""What Python and C++ hold together."""
-
-ENUMERATIONS = (Reason, Level, ZeroKind, News)
-"""Names of numbers, and of bits."""
-
-SIZES = {
-    "SENSORS": SENSORS,
-    "NOISE_READINGS": NOISE_READINGS,
-    "INTERVALS": INTERVALS,
-    "READ": READ,
-    "SHARES": SHARES,
-    "TRAVELS": TRAVELS,
-}
-"""Sizes of arrays."""

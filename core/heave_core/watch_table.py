@@ -10,7 +10,7 @@ from heave_core.rows import COUNTER, Row, Size, structure
 REMEMBERED = Size("REMEMBERED", 4096)
 """Readings of a trend that are kept."""
 
-WINDOWS = 3
+WINDOWS = Size("WINDOWS", 3)
 """Windows that are looked at, longer ones for noisier sensors."""
 
 
@@ -34,7 +34,7 @@ class LoadNews(IntFlag):
     TRAVEL_END = 64
 
 
-CAUSES = len(LoadNews)
+CAUSES = Size("CAUSES", len(LoadNews))
 """Causes that are watched."""
 
 
@@ -364,40 +364,3 @@ LOAD_WATCH_STATE = structure(
     Row("at_limit", "", "share of the time at a limit, averaged"),
     Row("quiet", "s", "time for which each cause has been away, by the bits of LoadNews", shape=(CAUSES,)),
 )
-
-STRUCTURES = (
-    SERVO,
-    SERVO_RUN,
-    SERVO_START,
-    TREND,
-    LANDING_DESIGN,
-    LANDING_STATE,
-    LANDING_SEEN,
-    KPI_DESIGN,
-    KPI_STATE,
-    KPI_ROW,
-    KPI_WINDOW,
-    DRUM_WATCH_DESIGN,
-    DRUM_WATCH_STATE,
-    DRUM_ROW,
-    ORDERED,
-    LINK_DESIGN,
-    LINK_STATE,
-    WINCH_WATCH_DESIGN,
-    WINCH_WATCH_STATE,
-    WINCH_SEEN,
-    NOMINAL_LOAD_DESIGN,
-    NOMINAL_LOAD_STATE,
-    LOAD_WATCH_DESIGN,
-    LOAD_WATCH_STATE,
-)
-"""In the order in which C++ needs them."""
-
-RECORDS = STRUCTURES
-"""What Python and C++ hold together."""
-
-ENUMERATIONS: tuple[type[IntEnum | IntFlag], ...] = (Landed, LinkNews, LoadNews)
-"""Names of numbers, and of bits."""
-
-SIZES = {"REMEMBERED": REMEMBERED, "WINDOWS": WINDOWS, "CAUSES": CAUSES}
-"""Sizes of arrays."""

@@ -17,8 +17,8 @@ REPOSITORY = Path(__file__).parents[2]
 def test_the_library_has_the_layout_and_the_sizes_of_this_python():
     loaded = library.library()
     assert loaded.heave_core_layout() == layout.layout_number()
-    sizes = [loaded.heave_core_size(place) for place in range(len(layout.RECORDS) + 1)]
-    kinds = layout.RECORDS
+    sizes = [loaded.heave_core_size(place) for place in range(len(layout.STRUCTURES) + 1)]
+    kinds = layout.STRUCTURES
     assert sizes == [*(dtype_of(kind).itemsize for kind in kinds), 0]
 
 

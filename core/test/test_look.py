@@ -8,7 +8,7 @@ import math
 
 import numpy as np
 import pytest
-from heave_core import look_table
+from heave_core import layout, look_table
 from heave_core.filter_table import STATES
 from heave_core.library import dtype_of, library
 from heave_core.look import HangingUnit, Look, Motions, RunningSigma, padded
@@ -394,7 +394,7 @@ def test_depth_sensor_and_estimate_are_compared_again_after_a_correction():
 
 
 def test_the_values_of_python_are_the_rows_of_the_table():
-    names = {one.name: [row.name for row in one.rows] for one in look_table.STRUCTURES}
+    names = {one.name: [row.name for row in one.rows] for one in layout.STRUCTURES}
     assert names["Seen"][: len(Seen._fields)] == list(Seen._fields)
     assert dtype_of(look_table.SEEN).itemsize == 8 * (len(Seen._fields) + 3)
 

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from heave_core import watch, watch_table
+from heave_core import layout, watch
 from heave_core.watch import Drum, KpiRing, KpiStatistics, LandingWatch, Link, LoadRecord, WinchRecord, run_of
 from heave_core.watch_table import Landed, LoadNews
 from hypothesis import given
@@ -157,7 +157,7 @@ def test_a_standing_unit_is_lifted_off_once_the_cable_carries_more_than_its_weig
 
 
 def test_the_values_of_python_are_the_rows_of_the_tables():
-    names = {one.name: [row.name for row in one.rows] for one in watch_table.STRUCTURES}
+    names = {one.name: [row.name for row in one.rows] for one in layout.STRUCTURES}
     assert names["KpiWindow"] == list(KpiStatistics._fields)
     assert names["LandingState"][watch.FLAGS] == "event"
     assert names["LandingSeen"][watch.OBSERVED] == "filtered_tension"

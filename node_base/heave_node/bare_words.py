@@ -17,14 +17,10 @@ _TRUTHS = {
 
 
 def read_bare(word: str) -> bool | int | float | str:
-    """Return what a bare `word` is read as: a truth value, a number, or the word itself.
+    """Return what a bare `word` of a file is read as: a truth value, a number, or the word itself.
 
     ROS 2 (`rcl_yaml_param_parser`) takes the truth values in three spellings, `on`, `On` and `ON`, and as numbers what
     C reads as such, `nan` and `infinity` among them. A few words more are taken for numbers here (`1_000`).
-
-    Parameters
-    ----------
-    word : as it would stand in a file
     """
     if word.lower() in _TRUTHS:
         return _TRUTHS[word.lower()]

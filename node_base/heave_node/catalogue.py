@@ -105,11 +105,8 @@ def _nearest(name: str, known: Sequence[str]) -> str:
 def with_entries(given: Mapping[str, Given]) -> dict[str, Given]:
     """Return values in which each name of the catalogue stands for the values of its entry; others win over these.
 
-    Parameters
-    ----------
-    given : by dotted name; `system.cable` or `system.cable.from` names a cable, and so on
-
-    Raises ParameterError for a name that is not in the catalogue.
+    `given` is by dotted name; `system.cable` or `system.cable.from` names a cable, and so on. Raises ParameterError for
+    a name that is not in the catalogue.
     """
     taken: dict[str, Given] = {}
     own = dict(given)

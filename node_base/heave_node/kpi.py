@@ -73,9 +73,7 @@ def kappa(unit_sigma: float, sensor_bound: float, actuator_bound: float) -> floa
 def worse(unit_sigmas: ArrayLike, uncompensated_sigmas: ArrayLike) -> float:
     """Return the largest `s(z) / s(z_off)` over seeds; above 1 the compensator was harmful.
 
-    Parameters
-    ----------
-    unit_sigmas, uncompensated_sigmas : s(z) and s(z_off) of each seed, shape (n,) [m]
+    `unit_sigmas` and `uncompensated_sigmas` are s(z) and s(z_off) of each seed, shape (n,) [m].
     """
     ratios = np.asarray(unit_sigmas, dtype=float) / np.asarray(uncompensated_sigmas, dtype=float)
     return float(ratios.max()) if ratios.size else math.nan

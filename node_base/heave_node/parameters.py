@@ -207,13 +207,9 @@ class Checked:
 
 
 def check_ranges(parameters: object) -> None:
-    """Raise ParameterError for a value of a set's own that is of a wrong type or out of range; for `__post_init__`.
+    """Raise ParameterError for a value of `parameters` that is of a wrong type or out of range; for `__post_init__`.
 
     So the ranges hold wherever a set is made, not only where it is read from a file. Groups check themselves.
-
-    Parameters
-    ----------
-    parameters : the parameter set
     """
     own: type = type(parameters)
     for info in _own_infos(own):

@@ -6,7 +6,6 @@ import sys
 
 import pytest
 from heave_node.interface.alarm import alarms_in
-from loop_processes import start_all
 
 EXTERNAL_WINCH = """
 import sys, time
@@ -72,10 +71,3 @@ def test_stamps_that_do_not_fit_the_declared_clock_are_an_error_in_words(loop):
     (alarm,) = alarms_in(said)
     assert alarm.code == "CLOCK_VIOLATION"
     assert " s ahead of simulated time" in alarm.text
-
-
-def test_a_clock_for_a_node_that_is_not_external_is_refused(loop):
-    start_all(loop, external_clocks="['virtual_winch=own']")
-    status, _, err = loop.end("cable_sim")
-    assert status == 2
-    assert "external_clocks names virtual_winch, which is not external" in err.splitlines()[-1]

@@ -14,7 +14,6 @@ from heave_node.parameters import (
     parameter,
     unknown_parameter,
 )
-from heave_node.run_parameters import RunParameters
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -122,11 +121,6 @@ def test_every_parameter_is_described():
     assert list(infos) == ["count", "kind", "on", "unit.mass", "unit.area"]
     assert infos["unit.mass"].default == 5.0
     assert all(info.description for info in infos.values())
-
-
-def test_external_nodes_need_real_time():
-    with pytest.raises(ParameterError, match="needs pacing: realtime"):
-        build_parameters(RunParameters, {"external": ["virtual_winch"]}, where="")
 
 
 def test_a_choice_that_was_written_without_quotes_is_meant_whatever_it_is_read_as():

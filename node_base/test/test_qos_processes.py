@@ -2,6 +2,7 @@
 
 import subprocess
 import sys
+import time
 
 import pytest
 
@@ -65,9 +66,11 @@ def start_around(loop, node: str, **parameters: object) -> None:
         loop.start(name, **start)
 
 
-def test_readings_published_best_effort_are_taken(loop, external):
-    external("winch")
+def test_an_external_node_is_waited_for_and_its_readings_published_best_effort_are_taken(loop, external):
     start_around(loop, "virtual_winch")
+    time.sleep(2.0)
+    assert loop.processes["cable_sim"].poll() is None
+    external("winch")
     status, out, err = loop.end("cable_sim")
     assert status == 0, err
     assert float(out.split("sum=")[1].split()[0]) > 20.0, "one meter per reading"

@@ -10,7 +10,6 @@ from types import SimpleNamespace
 import pytest
 from heave_node.ros import process
 from heave_node.ros.transport.real_time import MIDDLE_AGED, MUCH, OLD, after_tick, collect_between_ticks
-from heave_node.run_parameters import REALTIME, RunParameters
 
 PRIORITY = """
 import os, resource, sys, threading
@@ -113,9 +112,3 @@ def test_what_is_not_permitted_is_named_with_the_remedy():
     assert "rtprio 7" in priority
     assert threads == ["False", "False"]
     assert locked == "locked: 0"
-
-
-def test_a_priority_is_for_real_time():
-    with pytest.raises(ValueError, match="pacing: realtime"):
-        RunParameters(realtime_priority=50)
-    assert RunParameters(realtime_priority=50, pacing=REALTIME).realtime_priority == 50

@@ -11,7 +11,6 @@ from pathlib import Path
 
 import pytest
 from domain_coordinator import domain_id
-from heave_node.ros.transport import shared_memory
 from heave_node.ros.transport.shared_memory import remove_dead_segments
 
 SEGMENT = "fastdds_0123456789abcdef"
@@ -44,21 +43,16 @@ def test_what_a_living_process_holds_is_left(tmp_path, lock):
     assert len(names_in(tmp_path)) == 2
 
 
-def test_a_port_is_left_as_a_process_may_have_opened_it_and_not_yet_locked_it(tmp_path):
-    files = (PORT, f"{PORT}_el", f"{PORT}_sl", f"sem.{PORT}_mutex")
-    make(tmp_path, *files)
-    assert remove_dead_segments(tmp_path) == []
-    assert names_in(tmp_path) == sorted(files)
-
-
-def test_what_has_just_been_made_is_left(tmp_path):
-    make(tmp_path, SEGMENT, f"{SEGMENT}_el", age=0.0)
-    assert remove_dead_segments(tmp_path) == []
-
-
-def test_what_has_no_lock_file_or_another_name_is_left(tmp_path):
-    files = (SEGMENT, PORT, f"sem.{PORT}_mutex", "fastdds_notours_el", "other_0123456789abcdef_el", f"{SEGMENT}_el.txt")
-    make(tmp_path, *files)
+@pytest.mark.parametrize(
+    ("files", "age"),
+    [
+        ((PORT, f"{PORT}_el", f"{PORT}_sl", f"sem.{PORT}_mutex"), 100.0),  # may be opened and not yet locked
+        ((SEGMENT, f"{SEGMENT}_el"), 0.0),  # may be half made
+        ((SEGMENT, "fastdds_notours_el", "other_0123456789abcdef_el", f"{SEGMENT}_el.txt"), 100.0),
+    ],
+)
+def test_ports_what_has_just_been_made_and_other_names_are_left(tmp_path, files, age):
+    make(tmp_path, *files, age=age)
     assert remove_dead_segments(tmp_path) == []
     assert names_in(tmp_path) == sorted(files)
 
@@ -69,30 +63,27 @@ def test_what_another_user_left_is_left_to_him(tmp_path, monkeypatch):
     assert remove_dead_segments(tmp_path) == []
 
 
-def test_a_lock_file_that_is_a_link_is_not_followed(tmp_path):
+def test_a_lock_file_that_is_a_link_is_not_followed_nor_is_a_folder_missed(tmp_path):
     make(tmp_path, "precious")
     (tmp_path / f"{SEGMENT}_el").symlink_to(tmp_path / "precious")
     assert remove_dead_segments(tmp_path, minimum_age=0.0) == []
     assert (tmp_path / "precious").exists()
+    assert remove_dead_segments(tmp_path / "absent") == []
 
 
 def test_a_name_that_was_given_to_a_new_segment_meanwhile_is_left(tmp_path, monkeypatch):
     """Another process found it dead as well, and one made it again between this one's look and its lock."""
     make(tmp_path, SEGMENT, f"{SEGMENT}_el")
-    take = shared_memory._is_lockable
+    take = fcntl.flock
 
-    def made_anew(descriptor: int) -> bool:
+    def made_anew(descriptor: int, operation: int) -> None:
         (tmp_path / f"{SEGMENT}_el").unlink()
         make(tmp_path, f"{SEGMENT}_el", age=0.0)
-        return take(descriptor)
+        take(descriptor, operation)
 
-    monkeypatch.setattr(shared_memory, "_is_lockable", made_anew)
+    monkeypatch.setattr(fcntl, "flock", made_anew)
     assert remove_dead_segments(tmp_path) == []
     assert names_in(tmp_path) == [SEGMENT, f"{SEGMENT}_el"]
-
-
-def test_a_machine_without_such_a_folder_has_nothing_to_clean(tmp_path):
-    assert remove_dead_segments(tmp_path / "absent") == []
 
 
 NODE = """

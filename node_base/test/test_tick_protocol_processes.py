@@ -132,55 +132,6 @@ def test_a_participant_that_was_stopped_finds_the_readings_of_each_tick_that_it_
     assert int(out.split("without_load=")[1]) <= 6, "of 80 ticks, with all but a few of the 16 it was stopped for"
 
 
-def test_an_external_node_is_waited_for_and_used_as_it_comes(loop):
-    start = {"pacing": "realtime", "external": "[virtual_winch]", "strict": False, "start_timeout": 20.0}
-    loop.start("cable_sim", "wave_vessel", "winch_controller", **start)
-    time.sleep(2.0)
-    assert loop.processes["cable_sim"].poll() is None
-    winch = subprocess.Popen(
-        [sys.executable, "-c", EXTERNAL_WINCH],
-        env=loop.environment,
-    )
-    try:
-        status, out, _ = loop.end("cable_sim")
-    finally:
-        winch.send_signal(signal.SIGINT)
-        winch.wait(10.0)
-    assert status == 0
-    assert "ended=True" in out
-    assert float(out.split("sum=")[1].split()[0]) > 0.0, "what the external winch said has reached the plant"
-
-
-EXTERNAL_WINCH = """
-import rclpy
-from heave_msgs.msg import WinchCommand, WinchState
-from heave_node.ros.transport.environment import prepare_environment
-prepare_environment()
-rclpy.init()
-node = rclpy.create_node("a_real_winch")
-state = node.create_publisher(WinchState, "winch/state", 10)
-heard = [0.0]
-def on_command(message):
-    heard[0] = message.payout
-    answer = WinchState(payout=message.payout)
-    answer.header.stamp = message.header.stamp
-    state.publish(answer)
-node.create_subscription(WinchCommand, "winch/command", on_command, 10)
-try:
-    rclpy.spin(node)
-except (KeyboardInterrupt, rclpy.executors.ExternalShutdownException):
-    pass
-"""
-
-
-def test_an_external_node_that_never_comes_is_named(loop):
-    start = {"pacing": "realtime", "external": "[virtual_winch]", "start_timeout": 1.5}
-    loop.start("cable_sim", "wave_vessel", "winch_controller", **start)
-    status, _, err = loop.end("cable_sim")
-    assert status == 1
-    assert "a publisher of /winch/state (external)" in err.splitlines()[-1]
-
-
 @pytest.mark.parametrize("pacing", ["lockstep", "realtime"])
 def test_pause_step_reset_by_service(loop, pacing):
     words = ask(loop, PAUSE_STEP_RESET, duration=1e4, pacing=pacing, strict=pacing == "lockstep").split()

@@ -42,9 +42,9 @@ class Incident:
 INCIDENTS = (
     Incident("museum_brake_energised", 30.0, ("WINCH_DRIVE_FAULT",)),
     Incident("museum_pressure_returns", 40.0, ("WINCH_DRIVE_FAULT",)),
-    Incident("museum_rope_off_sheave", 40.0, ("ENCODER_JUMP",)),
+    Incident("museum_rope_off_sheave", 40.0, ("SENSOR_DOUBTFUL, ENCODER: jump",)),
     Incident("museum_payout_zero", math.nan, ("PAYOUT_DEPTH_DISAGREE",)),
-    Incident("museum_locked_and_creeping", 35.0, ("DRUM_OR_ENCODER_STILL",)),
+    Incident("museum_locked_and_creeping", 35.0, ("DRUM_OR_ENCODER: still",)),
     Incident("museum_slack_taken_up", 62.0, ("UNIT_NOT_SUSPENDED",)),
     Incident("museum_load_on_deck", 30.0, ("UNIT_NOT_SUSPENDED",), stays=True),
 )
@@ -110,11 +110,11 @@ def judge(incident: Incident, suffix: str = "") -> Judged:
     distance = away(record, stays=incident.stays)[time >= begin - 1e-9]
     distance = np.abs(distance - distance[0])
     alarms = [(at - begin, alarm) for at, alarm in record.alarms]
-    named = next(((after, alarm) for after, alarm in alarms if alarm.code in names), (math.nan, None))
+    named = next(((after, alarm) for after, alarm in alarms if alarm.name in names), (math.nan, None))
     others: dict[str, float] = {}
     for after, alarm in alarms:
-        if after >= -1e-9 and alarm.severity is not Severity.EVENT and alarm.code not in names:
-            others.setdefault(alarm.code, after)
+        if after >= -1e-9 and alarm.severity is not Severity.EVENT and alarm.name not in names:
+            others.setdefault(alarm.name, after)
     at_alarm = float(distance[: max(round(named[0] / TICK), 1)].max()) if named[1] else math.nan
     return Judged(float(distance.max()), named, at_alarm, others)
 
@@ -123,7 +123,7 @@ def row(incident: Incident, suffix: str) -> str:
     """Return an `incident` as a row of the table."""
     judged = judge(incident, suffix)
     after, alarm = judged.named
-    told = f"{alarm.code} | {after:.2f} | {100.0 * judged.at_alarm:.0f}" if alarm else "- | - | -"
+    told = f"{alarm.name} | {after:.2f} | {100.0 * judged.at_alarm:.0f}" if alarm else "- | - | -"
     others = ", ".join(f"{code} {at:.1f} s" for code, at in judged.others.items())
     return f"| {incident.scenario + suffix} | {100.0 * judged.moved:.0f} | {told} | {others} |"
 

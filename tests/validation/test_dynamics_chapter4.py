@@ -15,7 +15,6 @@ import math
 import numpy as np
 import pytest
 from cable_sim_node.line.dynamics import CableDynamics
-from cable_sim_node.line.linearised import linearise
 from cable_sim_node.parameters import CableParameters, CableSimParameters, SolverParameters, UnitParameters
 from cable_sim_node.vertical.axial_line import axial_line
 from cable_sim_node.vertical.linear import heave_transfer_function
@@ -178,18 +177,12 @@ def swinging(parameters, answers, omegas):
 
 def test_sideways_the_sphere_is_a_pendulum_with_drag_and_resonates_where_one_does(answers):
     for name, (parameters, omegas) in CASES.items():
-        resonance = linearise(parameters).natural_frequencies(1)[0][0]
-        assert resonance == pytest.approx(pendulum_frequency(parameters), rel=0.02)
         for omega, answer in zip(omegas, answers[name], strict=True):
             if not answer.ever_slack:
                 # in water the rope's own drag is not in the pendulum
                 assert answer.sway == pytest.approx(pendulum(parameters, omega), rel=0.03 if name == "air" else 0.1), (
                     omega
                 )
-    # in air the line's own linear response, rope and all
-    taut = [i for i, answer in enumerate(answers["air"]) if not answer.ever_slack]
-    response = linearise(AIR).response(np.array(AIR_FREQUENCIES)[taut])
-    assert [answers["air"][i].sway for i in taut] == pytest.approx(np.abs(response.unit[:, 0, 0]), rel=0.01)
     sways = [answer.sway for answer in answers["water"]]
     assert WATER_FREQUENCIES[int(np.argmax(sways))] == SWAY_RESONANCE
 

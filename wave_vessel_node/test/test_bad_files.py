@@ -82,63 +82,57 @@ def refused_or(error, path, read):
         return None
 
 
-@pytest.mark.parametrize("name", ["real_time.data_spec", "historical.txt"])
-@given(data=st.data())
-@SETTINGS
-def test_damaged_spectra(name, data, tmp_path):
+def is_a_sea(file):
+    for record in file.records:
+        values = np.asarray(record.spectrum.values)
+        assert np.isfinite(values).all()
+        assert (values >= 0.0).all()
+        assert record.spectrum.significant_wave_height > 0.0
+        assert objection_to(record.spectrum) == ""
+
+
+def is_a_ship(table):
+    assert np.isfinite(table.at([0.1, 0.7, 5.0], 1.0)).all()
+    assert response_questions(table) == []
+
+
+def is_a_motion(recording):
+    assert np.isfinite(recording.position).all()
+    assert (np.diff(recording.time) > 0.0).all()
+    assert 4.0 * recording.position[:, 2].std() <= 25.0
+
+
+SEA = (SpectrumFileError, read_spectra, is_a_sea)
+FILES = {
+    "real_time.data_spec": ((DATA / "real_time.data_spec").read_text(), *SEA),
+    "historical.txt": ((DATA / "historical.txt").read_text(), *SEA),
+    "rao.csv": (RAO, RaoError, read_rao_csv, is_a_ship),
+    "motion.csv": (RECORDING, RecordingError, read_recording, is_a_motion),
+}
+"""Content of each file, what refuses it, what reads it, and what holds for what was read."""
+
+
+def check(name, content, tmp_path):
+    _, error, read, holds = FILES[name]
     path = tmp_path / name
-    path.write_text(data.draw(damaged((DATA / name).read_text())))
-    file = refused_or(SpectrumFileError, path, read_spectra)
-    if file is not None:
-        for record in file.records:
-            values = np.asarray(record.spectrum.values)
-            assert np.isfinite(values).all()
-            assert (values >= 0.0).all()
-            assert record.spectrum.significant_wave_height > 0.0
-            assert objection_to(record.spectrum) == ""
+    path.write_bytes(content)
+    found = refused_or(error, path, read)
+    if found is not None:
+        holds(found)
 
 
+@pytest.mark.parametrize("name", FILES)
 @given(data=st.data())
 @SETTINGS
-def test_damaged_raos(data, tmp_path):
-    path = tmp_path / "rao.csv"
-    path.write_text(data.draw(damaged(RAO)))
-    table = refused_or(RaoError, path, read_rao_csv)
-    if table is not None:
-        assert np.isfinite(table.at([0.1, 0.7, 5.0], 1.0)).all()
-        assert response_questions(table) == []
+def test_damaged_files(name, data, tmp_path):
+    check(name, data.draw(damaged(FILES[name][0])).encode(), tmp_path)
 
 
-@given(data=st.data())
-@SETTINGS
-def test_damaged_recordings(data, tmp_path):
-    path = tmp_path / "motion.csv"
-    path.write_text(data.draw(damaged(RECORDING)))
-    recording = refused_or(RecordingError, path, read_recording)
-    if recording is not None:
-        assert np.isfinite(recording.position).all()
-        assert (np.diff(recording.time) > 0.0).all()
-        assert 4.0 * recording.position[:, 2].std() <= 25.0
-
-
-TABLES = {"rao.csv": RAO, "historical.txt": (DATA / "historical.txt").read_text(), "motion.csv": RECORDING}
-
-
-@pytest.mark.parametrize("name", TABLES)
+@pytest.mark.parametrize("name", ["historical.txt", "rao.csv", "motion.csv"])
 @given(data=st.data())
 @SETTINGS
 def test_tables_in_other_units_orders_and_encodings(name, data, tmp_path):
-    path = tmp_path / name
-    path.write_bytes(data.draw(mistreated(TABLES[name])))
-    if name == "rao.csv":
-        table = refused_or(RaoError, path, read_rao_csv)
-        assert table is None or response_questions(table) == []
-    elif name == "motion.csv":
-        recording = refused_or(RecordingError, path, read_recording)
-        assert recording is None or 4.0 * recording.position[:, 2].std() <= 25.0
-    else:
-        file = refused_or(SpectrumFileError, path, read_spectra)
-        assert file is None or not any(objection_to(record.spectrum) for record in file.records)
+    check(name, data.draw(mistreated(FILES[name][0])), tmp_path)
 
 
 @pytest.mark.parametrize(

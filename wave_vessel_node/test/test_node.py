@@ -31,8 +31,8 @@ def test_the_boom_tip_goes_out_in_frame_world_with_its_stamp():
 
 def test_odometry_has_unit_quaternions_and_world_axes():
     motions = VesselMotions.still(range(1, 3), 0.05)
-    motions.heading[1], motions.turn_rate[1] = math.pi / 2, 0.1
-    motions.six[1, 0] = [1.0, 0.0, 0.5, 0.1, -0.2, 0.05]
+    motions.heading = math.pi / 2
+    motions.six[1, 0], motions.six[1, 1, 5] = [1.0, 0.0, 0.5, 0.1, -0.2, 0.05], 0.1
     message = deserialize_message(messages.odometry_message(motions, 1, NOW), Odometry)
     position, q = message.pose.pose.position, message.pose.pose.orientation
     assert (position.x, position.y, position.z) == pytest.approx((0.0, 1.0, 0.5))

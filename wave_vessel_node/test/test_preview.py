@@ -7,14 +7,14 @@ import pytest
 from heave_msgs.msg import HeavePreview
 from rclpy.serialization import deserialize_message
 from wave_vessel_node.component import WaveVessel
-from wave_vessel_node.parameters import DriftParameters, PreviewParameters, WaveVesselParameters
+from wave_vessel_node.parameters import PreviewParameters, WaveVesselParameters
 
 from wave_vessel_node import conversions
 
 DT, TICKS = 0.05, 300
 SEAS = {
     "components": WaveVesselParameters(ramp=2.0, boom_tip_height=3.0),
-    "filter": WaveVesselParameters(boom_tip_source="filter", drift=DriftParameters(standard_deviation=(1.0, 1.0))),
+    "filter": WaveVesselParameters(boom_tip_source="filter"),
     "regular": WaveVesselParameters(boom_tip_source="regular", ramp=5.0),
 }
 

@@ -5,7 +5,7 @@ import subprocess
 import sys
 
 import pytest
-from heave_node.parameters import ParameterError, build_parameters, describe
+from heave_node.parameters import describe
 from wave_vessel_node.component import WaveVessel
 from wave_vessel_node.parameters import SeaParameters, ShapingFilterParameters, WaveVesselParameters
 from wave_vessel_node.sea.sea import named_spectrum
@@ -70,20 +70,3 @@ def test_a_sine_is_published_as_the_sea_of_its_variance():
     sea = WaveVessel(parameters, seed=1, tick_period=0.05).sea_state()
     assert (sea.spectrum, sea.peak_period, sea.peak_enhancement) == ("regular", 11.0, 1.0)
     assert sea.significant_wave_height == pytest.approx(4.0 * math.sqrt(2.0))
-
-
-@pytest.mark.parametrize(
-    ("values", "says"),
-    [
-        ({"boom_tip_source": "regular", "vessel.model": "fitted"}, "needs a sea spectrum"),
-        ({"boom_tip_source": "file", "recording_file": "x.csv", "course.speed_change": 1.0}, "needs a sea"),
-        (
-            {"boom_tip_source": "file", "recording_file": "x.csv", "recording_kind": "elevation"}
-            | {"vessel.model": "fitted"},
-            "neither direction nor spectrum",
-        ),
-    ],
-)
-def test_what_a_source_cannot_do_is_refused_with_the_parameters(values, says):
-    with pytest.raises(ParameterError, match=says):
-        build_parameters(WaveVesselParameters, values, where="my.yaml: wave_vessel")

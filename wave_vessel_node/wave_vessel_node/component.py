@@ -19,7 +19,7 @@ from wave_vessel_node.mru.sea_state_estimate import SeaStateEstimate, SeaStateEs
 from wave_vessel_node.parameters import WaveVesselParameters
 from wave_vessel_node.sea.sea import SeaState, describe_sea
 from wave_vessel_node.source_registry import SOURCES
-from wave_vessel_node.sources.layers import ChangingSource, CourseSource, DriftingSource, RampedSource, weighted
+from wave_vessel_node.sources.layers import ChangingSource, RampedSource, weighted
 from wave_vessel_node.sources.motion_source import MotionSource, block_from
 from wave_vessel_node.sources.preview import PreviewSource
 from wave_vessel_node.sources.scene import Scene, build_scene
@@ -74,7 +74,7 @@ class WaveVessel:
         self._scene = build_scene(parameters, seed, tick_period)
         self.warnings = self._scene.warnings
         waves = _waves_of(self._scene)
-        self._source = _with_change_course_drift_and_ramp(waves, self._scene)
+        self._source = _with_change_and_ramp(waves, self._scene)
         self._lever = lever_arm_matrix(self._scene.boom_tip_arm)
         self._crane = self._build_crane()
         self.pose_sensor: PoseSensor | None = None
@@ -117,13 +117,9 @@ class WaveVessel:
         return tips[:count]
 
     def step(self, tick: int) -> WaveVesselOutputs:
-        """Return the MRU reading of t_k and the motions of t_{k+1}.
+        """Return the MRU reading of t_k and the motions of t_{k+1}, k = `tick`; raise ValueError if it is not the next.
 
-        Parameters
-        ----------
-        tick : k; ticks come in order, from 1
-
-        Raises ValueError if `tick` is not the next one.
+        Ticks come in order, from 1.
         """
         if tick != self._next_tick:
             raise ValueError(f"ticks must come in order: expected {self._next_tick}, got {tick}")
@@ -173,7 +169,7 @@ class WaveVessel:
     def _build_preview(self) -> PreviewSource:
         """Let the same sea run once more, ahead of this one; sources are asked in the order of their ticks."""
         scene = build_scene(self.parameters, self._scene.seed, self._scene.tick_period)
-        ahead = _with_change_course_drift_and_ramp(_waves_of(scene), scene)
+        ahead = _with_change_and_ramp(_waves_of(scene), scene)
         ahead.motions(range(1, 2))
 
         def heave_at(ticks: range) -> Array:
@@ -224,16 +220,13 @@ def _waves_of(scene: Scene) -> MotionSource:
     return source
 
 
-def _with_change_course_drift_and_ramp(source: MotionSource, scene: Scene) -> MotionSource:
-    """Return the motion of a source that goes over into a later sea, on its course, with slow drift, from rest."""
+def _with_change_and_ramp(source: MotionSource, scene: Scene) -> MotionSource:
+    """Return the motion of a source that goes over into a later sea, on its heading, from rest."""
     parameters = scene.parameters
     later = parameters.later_sea
     if later.duration > 0.0:
         sea = replace(parameters, significant_wave_height=later.significant_wave_height, peak_period=later.peak_period)
         then = _waves_of(build_scene(sea, scene.seed + OTHER_WAVES, scene.tick_period))
         source = ChangingSource(source, then, later.start, later.duration, scene.tick_period)
-    if scene.spectrum is not None:
-        source = CourseSource(source, scene.course)
-    if any(parameters.drift.standard_deviation):
-        source = DriftingSource(source, parameters.drift, scene.seed, scene.tick_period)
-    return RampedSource(source, parameters.ramp, scene.tick_period)
+    heading = parameters.course.heading if scene.spectrum is not None else 0.0
+    return RampedSource(source, heading, parameters.ramp, scene.tick_period)

@@ -69,13 +69,11 @@ def preview_message(preview: HeavePreview, noise: float) -> bytes:
 
 def odometry_message(motions: VesselMotions, row: int, stamp: int) -> bytes:
     """Return a `row` of `motions` at `stamp` [ns]: pose about the mean in world axes, twist in vessel axes."""
-    heading = motions.heading.item(row)
+    heading = motions.heading
     cosine, sine = math.cos(heading), math.sin(heading)
     surge, sway, heave, roll, pitch, yaw = motions.six[row, 0].tolist()
     position = (cosine * surge - sine * sway, sine * surge + cosine * sway, heave)
-    twist = motions.six[row, 1].tolist()
-    twist[5] += motions.turn_rate.item(row)
-    return _ODOMETRY.pack(stamp, (*position, *quaternion(roll, pitch, heading + yaw)), twist)
+    return _ODOMETRY.pack(stamp, (*position, *quaternion(roll, pitch, heading + yaw)), motions.six[row, 1].tolist())
 
 
 def sea_state_message(state: sea.SeaState, stamp: int) -> bytes:

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from heave_node.crane.messages import pose_message
-from heave_node.crane.pose import pose_to_wire
+from heave_node.crane.pose import pose_message, pose_to_wire
 from heave_node.errors import NodeError
 from heave_node.interface import topics
 from heave_node.interface.codes import MruStatus

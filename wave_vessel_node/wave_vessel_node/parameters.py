@@ -50,26 +50,10 @@ class VesselParameters(VesselAnswer):
 
 @dataclass(frozen=True)
 class CourseParameters:
-    """Heading and forward speed, and one change of them. They matter to model rao (encounter) and to the MRU (turn)."""
+    """Heading and forward speed. The speed matters to model rao (encounter)."""
 
     heading: float = parameter(0.0, "rad", -6.3, 6.3, "Heading of the vessel from world x, anticlockwise.")
     speed: float = parameter(0.0, "m/s", 0.0, 15.0, "Forward speed.")
-    turn_start: float = parameter(0.0, "s", 0.0, None, "Time at which the turn starts.")
-    turn_angle: float = parameter(0.0, "rad", -20.0, 20.0, "Change of heading; 6.2832 is a full circle, 0 means none.")
-    turn_rate: float = parameter(0.01, "rad/s", 1e-4, 0.2, "Largest rate of turn during the change of heading.")
-    speed_change_start: float = parameter(0.0, "s", 0.0, None, "Time at which the speed changes.")
-    speed_change: float = parameter(0.0, "m/s", -15.0, 15.0, "Change of the forward speed; 0 means none.")
-    speed_change_duration: float = 60.0  # duration of the change of speed [s]
-
-
-@dataclass(frozen=True)
-class DriftParameters:
-    """Slow drift of the vessel on its position keeping."""
-
-    standard_deviation: tuple[float, ...] = parameter((0.0, 0.0), "m", 0.0, 100.0,
-        "Standard deviation of the slow drift in surge and sway; 0 means none.", length=2)  # fmt: skip
-    period: float = parameter(120.0, "s", 20.0, 1000.0, "Natural period of the drift under mooring or DP.")
-    damping_ratio: float = 0.15  # damping ratio of the slow drift [-]
 
 
 @dataclass(frozen=True)
@@ -99,12 +83,10 @@ class MruParameters:
     stamp_error: float = parameter(0.0, "s", -5.0, 5.0,
         "Time by which the stamp is late: above 0 an additional delay that it does not account for, below 0 readings "
         "are newer than their stamp.")  # fmt: skip
-    # after a restart or a turn the status is settling for this many periods of the high-pass filter [-]
+    # after a restart the status is settling for this many periods of the high-pass filter [-]
     settling_periods: float = 10.0
     # error of vertical acceleration right after a restart [m/s^2]; it decays with the period of the high-pass filter
     restart_bias: float = 0.02
-    # error of vertical acceleration per centripetal acceleration in a turn (tilt of the vertical) [-]
-    turn_sensitivity: float = 0.01
     restart_duration: float = 2.0  # time for which the unit is silent while it restarts [s]
     faults: FaultParameters = group(MruFaultParameters)
 
@@ -117,15 +99,9 @@ class MruParameters:
 class SeaStateEstimateParameters:
     """The running estimate of the sea state from the MRU record."""
 
-    window: float = parameter(1800.0, "s", 120.0, 21600.0, "Length of the record on which the estimate is based.")
-    segment: float = parameter(200.0, "s", 30.0, 3600.0, "Length of one Welch segment (half overlapping).")
     period: float = parameter(30.0, "s", 1.0, 3600.0, "Interval between estimates.")
-
-    def __post_init__(self) -> None:
-        if self.window < 2 * self.segment:
-            raise ValueError(
-                f"estimate.window ({self.window:g} s) must hold at least two of estimate.segment ({self.segment:g} s)"
-            )
+    window: float = 1800.0  # length of the record on which the estimate is based [s]
+    segment: float = 200.0  # length of one Welch segment, half overlapping [s]
 
 
 _WHERE = "after each of move_times; none: it stays."
@@ -267,19 +243,16 @@ class WaveVesselParameters(SeaParameters):
         description="Take the spectrum nearest to this time (UTC, like 1996-06-14T18:00); empty: by record.",
     )  # fmt: skip
     recording_file: str = parameter("",
-        description="Recording for boom_tip_source = file: CSV, or a bag (folder or .mcap).")  # fmt: skip
-    recording_kind: str = parameter("motion",
-        description="Content of the recording: boom-tip motion, or wave elevation, which is passed through the vessel "
-        "model.", choices=("motion", "elevation"))  # fmt: skip
+        description="Recording of the boom tip for boom_tip_source = file: CSV, or a bag (folder or .mcap).",
+    )  # fmt: skip
     recording_topic: str = parameter("boom_tip",
-        description="Topic to read from a bag: boom_tip, mru or wave_elevation (any namespace).")  # fmt: skip
+        description="Topic to read from a bag: boom_tip or mru (any namespace).")  # fmt: skip
     accept_implausible: bool = parameter(False,
         description="Take implausible figures in the files of sea, recording and RAOs as they are.")  # fmt: skip
     filter: ShapingFilterParameters = group(ShapingFilterParameters)
     vessel: VesselParameters = group(VesselParameters)
     crane: CraneMotionParameters = group(CraneMotionParameters)
     course: CourseParameters = group(CourseParameters)
-    drift: DriftParameters = group(DriftParameters)
     mru: MruParameters = group(MruParameters)
     estimate: SeaStateEstimateParameters = group(SeaStateEstimateParameters)
     preview: PreviewParameters = group(PreviewParameters)
@@ -289,11 +262,6 @@ class WaveVesselParameters(SeaParameters):
         source.check(self)
         if source.has_sea and self.spectrum == SPECTRUM_FILE and not self.spectrum_file:
             raise ValueError("spectrum = file needs spectrum_file: name the file of the measured spectrum")
-        if not source.has_sea and (self.course.turn_angle != 0.0 or self.course.speed_change != 0.0):
-            raise ValueError(
-                "a turn or change of speed needs a sea; it cannot be combined with boom_tip_source = "
-                f"{self.boom_tip_source}"
-            )
         if not source.has_sea and self.later_sea.duration > 0.0:
             raise ValueError(
                 f"later_sea needs a sea; it cannot be combined with boom_tip_source = {self.boom_tip_source}"
@@ -301,9 +269,7 @@ class WaveVesselParameters(SeaParameters):
         if not source.has_sea and self.vessel.model == "fitted":
             raise ValueError(
                 "vessel.model = fitted needs a sea spectrum to be fitted in; it cannot be combined with "
-                ""
-                "boom_tip_source = "
-                f"{self.boom_tip_source}"
+                f"boom_tip_source = {self.boom_tip_source}"
             )
         if source.has_sea and self.spectrum not in (SPECTRUM_FILE, *NEED_NO_PERIOD):
             self._refuse_breaking()

@@ -26,11 +26,6 @@ def _check_filter(parameters: Any) -> None:
 def _check_recording(parameters: Any) -> None:
     if not parameters.recording_file:
         raise ValueError("boom_tip_source = file needs recording_file: name the CSV file or the bag")
-    if parameters.recording_kind == "elevation" and parameters.vessel.model not in ("second_order", "direct"):
-        raise ValueError(
-            "recording_kind = elevation needs vessel.model second_order or direct: a recorded elevation has "
-            "neither direction nor spectrum"
-        )
 
 
 @dataclass(frozen=True)

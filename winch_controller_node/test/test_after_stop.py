@@ -52,7 +52,7 @@ def stopped(seed, seconds, *, stop_at, moves=False):
         outputs, row = loop.step()
         alarms += [alarm for alarm in outputs.alarms if time > stop_at]
         rows += [row] if time > stop_at + 2.0 else []
-    return {alarm.code: alarm for alarm in alarms}, np.array(rows)
+    return {alarm.name: alarm for alarm in alarms}, np.array(rows)
 
 
 @pytest.mark.slow

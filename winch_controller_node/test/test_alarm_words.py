@@ -7,7 +7,7 @@ from heave_core.library import library
 from heave_core.sense_table import News, Reason
 from winch_controller_node.core.estimation.observation import Observer
 from winch_controller_node.core.estimation.sense_design import GATES, SENSOR
-from winch_controller_node.core.estimation.sensor_health import ABSENT, LOST_STATES, REJECTED_WORDS
+from winch_controller_node.core.estimation.sensor_health import ABSENT, REASONS, REJECTED_WORDS
 from winch_controller_node.design.design import design_controller
 from winch_controller_node.interface.alarms import ALARMS
 from winch_controller_node.node_parameters import WinchControllerParameters
@@ -16,23 +16,25 @@ from winch_controller_node.node_parameters import WinchControllerParameters
 def test_the_times_in_the_words_are_those_of_the_code():
     """What follows of drum and encoder has none: the controller fills in what it does."""
     assert GATES["bad_in_a_row"] == 3
-    assert "Three in a row" in ALARMS["MRU_READING_REJECTED"].consequence
+    assert "Three in a row" in ALARMS["SENSOR_DOUBTFUL, MRU: one reading"].consequence
 
 
 @pytest.mark.parametrize("sensor", ["mru", "encoder", "depth", "load_cell", "velocity", "imu"])
-@pytest.mark.parametrize("reason", ["stale", *LOST_STATES, "status invalid"])
+@pytest.mark.parametrize("reason", [ABSENT, *filter(None, REASONS.values())])
 def test_a_sensor_has_a_row_for_what_it_can_be_lost_for_and_for_no_more(sensor, reason):
     """A status is the MRU's alone; jumps of MRU, encoder and depth are looked for; no spike of the encoder is."""
     is_status = reason.startswith("status")
     can_be = (sensor == "mru" or not is_status) and (reason != "jump" or sensor in ("mru", "encoder", "depth"))
     can_be = can_be and not (sensor == "encoder" and reason == "spike")
     can_be = can_be and not (sensor == "encoder" and reason == "frozen")  # the drum may stand
-    ended = {"stale": "STALE", "status invalid": "FAULT"} | LOST_STATES
-    assert (f"{sensor.upper()}_{ended[reason]}" in ALARMS) is can_be
+    named = "status" if reason == "status invalid" else reason
+    assert (f"SENSOR_LOST, {sensor.upper()}: {named}" in ALARMS) is can_be
 
 
 def test_every_reason_to_reject_a_reading_has_words():
-    assert set(REJECTED_WORDS) >= set(LOST_STATES) - {"frozen", ABSENT}, "a frozen or absent sensor is lost at once"
+    assert set(REJECTED_WORDS) >= set(REASONS.values()) - {"", "frozen", "stale", "delayed"}, (
+        "one that is frozen, or whose data are old, is lost at once"
+    )
 
 
 def test_a_sensor_that_jumps_so_often_that_it_is_lost_is_not_reported_as_one_whose_jump_was_subtracted():
@@ -42,4 +44,4 @@ def test_a_sensor_that_jumps_so_often_that_it_is_lost_is_not_reported_as_one_who
     for _ in range(GATES["bad_in_a_row"]):
         library().heave_core_gate_take_back(*at, place, Reason.JUMP, True)
     observer.state[0]["gates"][place]["news"] = News.SENSOR_WORSE
-    assert [alarm.code for alarm in observer.alarms(News.SENSOR_WORSE)] == ["DEPTH_JUMPS"]
+    assert [alarm.name for alarm in observer.alarms(News.SENSOR_WORSE)] == ["SENSOR_LOST, DEPTH: jump"]

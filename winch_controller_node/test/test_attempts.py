@@ -66,7 +66,7 @@ def test_each_failure_leaves_as_much_again_until_no_authority_gains_a_tenth_and_
     attempts, doubts = Attempts(), []
     for _ in range(4):
         attempts.fail()
-        assert attempts.alarm.code == "UNIT_SWING_HIGH"
+        assert attempts.alarm.name == "WORSE_THAN_OFF: swing"
         assert "The next attempt is automatic" in attempts.alarm.text
         doubts.append(attempts.doubt)
         assert not attempts.awaits_operator
@@ -125,7 +125,7 @@ def test_three_interruptions_are_followed_by_an_attempt():
 def test_a_certain_reason_takes_the_place_of_a_disagreement_and_not_the_other_way_round():
     attempts = Attempts()
     attempts.disagree()
-    assert attempts.alarm.code == "DEPTH_MRU_DISAGREE"
+    assert attempts.alarm.name == "DEPTH_MRU_DISAGREE"
     attempts.find(certain=CUT)
     assert attempts.alarm is CUT
     attempts.disagree()
@@ -149,7 +149,7 @@ def test_a_cause_that_becomes_known_takes_the_last_failure_back_and_no_other():
     assert attempts.over()
     attempts.disagree()
     attempts.allow_correction("mru")
-    assert (attempts.alarm.code, attempts.alarm.values) == ("DEPTH_MRU_EXPLAINED", {"part": "mru"})
+    assert (attempts.alarm.name, attempts.alarm.values) == ("DEPTH_MRU_EXPLAINED", {"part": "mru"})
     assert attempts.doubt == 1.0
     attempts.allow_correction("winch")
     assert attempts.doubt == 1.0
@@ -161,7 +161,7 @@ def test_harm_after_a_disagreement_that_is_over_is_not_explained_by_it():
     assert attempts.over()
     attempts.fail()
     attempts.allow_correction("mru")
-    assert attempts.alarm.code == "UNIT_SWING_HIGH"
+    assert attempts.alarm.name == "WORSE_THAN_OFF: swing"
     assert Harm(int(attempts.core.attempts["harm"][0])) == Harm.SWING_HIGH
 
 

@@ -1,6 +1,7 @@
 """An answer of the adviser becomes active so long after it was asked for, and changes what one table says."""
 
 import dataclasses
+import math
 import types
 from collections import deque
 from functools import partial
@@ -8,6 +9,8 @@ from types import MappingProxyType, SimpleNamespace
 
 import numpy as np
 import pytest
+from heave_core.law_table import ACTIVE_WINCH
+from heave_core.library import dtype_of
 from winch_controller_node.adviser.component import Adviser
 from winch_controller_node.beliefs.beliefs import (
     LATENCY,
@@ -25,12 +28,14 @@ from winch_controller_node.core.supervision.rolling_kpi import KpiWindow
 from winch_controller_node.design.design import design_controller
 from winch_controller_node.interface.readings import Measurements
 from winch_controller_node.laws.parts.winch_limits import WinchLimits
+from winch_controller_node.laws.registry import LAWS
 from winch_controller_node.node_parameters import WinchControllerParameters
 from winch_controller_node.parameters.model import SeaModelParameters, WinchModelParameters
 
 DT = 0.05
 AFTER = round(LATENCY / DT)
 NOMINAL = WinchControllerParameters()
+ACTIVE = dtype_of(ACTIVE_WINCH)
 
 
 def made():
@@ -87,7 +92,7 @@ def test_an_answer_that_tells_nothing_new_changes_nothing_and_findings_are_told_
     controller.take(answer(AFTER, {"winch.speed_gain": 0.8}))
     told += stepped(controller, AFTER + 1, 2 * AFTER)
     assert controller.design is design
-    assert [alarm.code for alarm in told].count("WINCH_MODEL_UPDATED") == 1
+    assert [alarm.name for alarm in told].count("WINCH_MODEL_UPDATED") == 1
 
 
 CHANGES = {
@@ -147,22 +152,15 @@ def spied(controller):
 
 
 @pytest.mark.parametrize("change", CHANGES)
-def test_what_a_change_resets_is_what_the_policy_says(change):
-    controller = made()
+def test_parameters_in_force_are_those_under_the_beliefs_and_what_is_reset_is_what_the_policy_says(change):
+    controller, beliefs = made(), answer(10, **CHANGES[change])
     stepped(controller, 1, 10)
     noted = spied(controller)
-    assert controller.take(answer(10, **CHANGES[change]))
+    assert controller.take(beliefs)
     stepped(controller, 11, 10 + AFTER)
     assert controller.beliefs.number == 1
     noted -= {f"guard {owner}" for owner in ("winch", "sea")}
     assert noted == RESET[change]
-
-
-@pytest.mark.parametrize("change", CHANGES)
-def test_parameters_in_force_are_those_under_the_beliefs(change):
-    controller, beliefs = made(), answer(0, **CHANGES[change])
-    controller.take(beliefs)
-    stepped(controller, 1, AFTER)
     wanted = parameters_under(beliefs, NOMINAL)
     assert controller.parameters.winch == wanted.winch
     assert controller.parameters.sea == wanted.sea
@@ -202,10 +200,10 @@ def test_a_sensor_that_is_left_out_is_doubted_and_used_again_with_the_next_answe
 def test_a_sensor_that_is_left_out_is_named_once_whether_the_adviser_reports_it_or_not(findings):
     controller = made()
     controller.take(answer(0, excluded="mru", findings=findings))
-    named = [alarm.code for alarm in stepped(controller, 1, AFTER) if alarm.code == "MRU_EXCLUDED"]
-    assert named == ["MRU_EXCLUDED"]
+    named = [alarm.name for alarm in stepped(controller, 1, AFTER) if alarm.name == "SENSOR_LOST, MRU: excluded"]
+    assert named == ["SENSOR_LOST, MRU: excluded"]
     controller.take(answer(AFTER, excluded="mru", number=2))
-    assert "MRU_EXCLUDED" not in [alarm.code for alarm in stepped(controller, AFTER + 1, 2 * AFTER)]
+    assert "SENSOR_LOST, MRU: excluded" not in [alarm.name for alarm in stepped(controller, AFTER + 1, 2 * AFTER)]
 
 
 @pytest.mark.parametrize("aside", [True, False])
@@ -348,22 +346,40 @@ GIVEN = ("._beliefs.nominal", "._beliefs._plain", "._winch.drum._nominal", "._es
 """Who holds nominal values: their home and design, the drum that is compared with them, and the filter that is."""
 
 
-@pytest.mark.parametrize("law", ["mpc", "lqg", "feedforward"])
-@pytest.mark.parametrize("seed", range(3))
-def test_whatever_limits_become_active_nobody_goes_by_others(law, seed):
+def of_winch(limits, winch):
+    """Return what the core's record of the active winch has to hold."""
+    return {
+        "speed": limits.speed,
+        "acceleration": limits.acceleration,
+        "power": limits.power,
+        "lowest": limits.payout_minimum,
+        "highest": limits.payout_maximum,
+        "least_tension": limits.minimum_tension,
+        "most_tension": limits.maximum_tension,
+        "static_tension": limits.static_tension,
+        "gain": winch.speed_gain,
+        "hauling_gain": winch.hauling_gain,
+        "creep": winch.creep,
+        "linear_step": limits.acceleration * DT / -math.expm1(-DT / winch.time_constant),
+    }
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_whatever_limits_become_active_nobody_goes_by_others(law):
     """Drawn at random, in any order: each holder of a winch or of its limits in the core is asked."""
-    random = np.random.default_rng(seed)
+    random = np.random.default_rng(1)
     nominal = dataclasses.replace(NOMINAL, law=law)
     controller = WinchController(nominal, tick_period=DT)
     for number in range(1, 6):
         tick, names = (
             (number - 1) * (AFTER + 1) + 1,
-            ("speed_gain", "speed_in", "speed_out", "acceleration_in", "acceleration_out"),
+            ("speed_gain", "speed_in", "speed_out", "acceleration_in", "acceleration_out", "hauling_gain"),
         )
         drawn = {f"winch.{name}": float(random.uniform(0.4, 1.4)) for name in names if random.integers(2)}
+        drawn |= {"winch.creep": float(random.uniform(-0.1, 0.1))}
         assert controller.take(answer(tick - 1, drawn, number=number, nominal=nominal))
         stepped(controller, tick, tick + AFTER)
-        assumed = controller.parameters.winch
+        assumed, limits = controller.parameters.winch, controller.design.limits
         assert assumed == parameters_under(controller.beliefs, nominal).winch
         holders = [
             (way, one)
@@ -371,8 +387,21 @@ def test_whatever_limits_become_active_nobody_goes_by_others(law, seed):
             for way, one in held(controller, kind)
         ]
         others = [way for way, one in holders if getattr(one, "winch", one) != assumed and not way.startswith(GIVEN)]
-        others += [way for way, one in held(controller, WinchLimits) if one != controller.design.limits]
+        others += [way for way, one in held(controller, WinchLimits) if one != limits]
         assert others == []
+        records = {one.ctypes.data: one for _, one in held(controller, np.ndarray) if one.dtype == ACTIVE}
+        (record,) = records.values()
+        for name, value in of_winch(limits, assumed).items():
+            assert record[name][0] == pytest.approx(value, nan_ok=True), name
+
+
+def test_the_share_of_the_unit_follows_the_speed_that_was_learnt():
+    """A fifth of the speed limit: it stayed a fifth of the one that was assumed first."""
+    controller = WinchController(WinchControllerParameters(law="lqg"), tick_period=DT)
+    law = controller._in_force.law
+    assert law.largest_share == pytest.approx(0.2 * 2.0)
+    controller._in_force.take_limits(dataclasses.replace(controller.parameters.winch, speed_limit=1.0))
+    assert law.largest_share == pytest.approx(0.2)
 
 
 def test_a_window_of_figures_counts_the_limits_of_each_tick():

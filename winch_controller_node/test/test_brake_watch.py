@@ -7,8 +7,6 @@ import pytest
 from heave_node.interface.alarm import Severity
 from heave_node.interface.codes import WinchFault
 from heave_node.interface.sensors import MruReading
-from hypothesis import given
-from hypothesis import strategies as st
 from winch_controller_node.core.envelope import Asked, OrderEnvelope
 from winch_controller_node.core.supervision.modes import Mode
 from winch_controller_node.core.supervision.proof_design import FALL_WINDOW
@@ -53,10 +51,10 @@ class Drum:
             winch,
         )
         self.proofs.note(WinchOrder(0, 0.0, 0.0, brake))
-        driven = Driven(waits=False, hangs=True, taken_over="DRUM_RUNS_BRAKED" if runs else "", has_mru=has_mru)
+        driven = Driven(waits=False, hangs=True, taken_over="DRUM_NOT_HELD: count" if runs else "", has_mru=has_mru)
         found = self.proofs.step(raw, driven).alarms
         self.alarms += [(self.time, self.way, alarm) for alarm in found]
-        return [alarm.code for alarm in found]
+        return [alarm.name for alarm in found]
 
     def rest(self, seconds, **given):
         for _ in range(round(seconds / TICK)):
@@ -64,15 +62,15 @@ class Drum:
 
     @property
     def codes(self):
-        return [alarm.code for _, _, alarm in self.alarms]
+        return [alarm.name for _, _, alarm in self.alarms]
 
 
 @pytest.mark.parametrize(
     ("holds", "fault", "code", "severity"),
     [
         (True, WinchFault.DRIVE, "DRUM_HELD_BY_DRIVE", Severity.HIGH),
-        (False, WinchFault.NONE, "DRUM_NOT_HELD", Severity.CRITICAL),
-        (False, WinchFault.EMERGENCY_STOP, "DRUM_NOT_HELD", Severity.CRITICAL),
+        (False, WinchFault.NONE, "DRUM_NOT_HELD: turns", Severity.CRITICAL),
+        (False, WinchFault.EMERGENCY_STOP, "DRUM_NOT_HELD: turns", Severity.CRITICAL),
     ],
 )
 def test_what_follows_is_told_of_a_drive_that_holds_and_of_one_that_does_not(holds, fault, code, severity):
@@ -96,7 +94,7 @@ def test_a_slip_that_the_count_does_not_show_is_told_by_the_load_cell(rate):
     for _ in range(20):
         drum.tick(count=False, falls=-rate * STIFFNESS)
     time, _, alarm = drum.alarms[0]
-    assert alarm.code == "LOAD_FALLS_BRAKED"
+    assert alarm.name == "DRUM_NOT_HELD: hook load"
     assert alarm.severity is Severity.CRITICAL
     assert time - begin < 0.3 + 0.05 / rate
 
@@ -111,7 +109,7 @@ def test_the_load_falls_by_no_mru_that_is_refused_and_a_slip_is_told_without_it(
     assert drum.codes == []
     for _ in range(20):
         drum.tick(has_mru=False, falls=-STIFFNESS)
-    assert drum.codes == ["LOAD_FALLS_BRAKED"]
+    assert drum.codes == ["DRUM_NOT_HELD: hook load"]
 
 
 def test_a_load_that_swings_after_a_stop_is_no_slip():
@@ -130,7 +128,7 @@ def test_a_drum_whose_count_shows_no_motion_is_not_said_to_have_moved(count):
     drum.rest(FALL_WINDOW)
     for _ in range(40):
         drum.tick(count=count, falls=-0.5 * STIFFNESS)
-    assert drum.codes == ["LOAD_FALLS_BRAKED"]
+    assert drum.codes == ["DRUM_NOT_HELD: hook load"]
 
 
 def test_waves_that_the_mru_shows_and_those_that_it_does_not_are_no_slip():
@@ -201,7 +199,7 @@ class Braked:
 
     @property
     def codes(self):
-        return [alarm.code for _, _, alarm in self.alarms]
+        return [alarm.name for _, _, alarm in self.alarms]
 
 
 @pytest.mark.parametrize("rate", [0.001, 0.02, 0.1, 0.3, 0.5, -0.2, 1.0, 2.0])
@@ -212,20 +210,11 @@ def test_a_drum_that_slips_is_told_at_the_highest_severity_within_a_third_of_a_s
     begin = drum.time
     drum.rest(60.0 if abs(rate) < 0.01 else 3.0, rate=rate)
     time, way, alarm = drum.alarms[0]
-    assert alarm.code == "DRUM_RUNS_BRAKED"
+    assert alarm.name == "DRUM_NOT_HELD: count"
     assert alarm.severity is Severity.CRITICAL
     assert abs(way) < max(0.05, 2.0 * abs(rate) * TICK) + 1e-9
     assert time - begin < max(0.3, 0.032 / abs(rate)) + 1e-9
     assert len(drum.alarms) == 1
-
-
-@given(st.floats(-5.0, 5.0).filter(lambda jump: abs(jump) > 0.02))
-def test_a_jump_of_the_count_is_no_motion(jump):
-    drum = Braked()
-    drum.rest(5.0)
-    drum.tick(jump=jump)
-    drum.rest(5.0)
-    assert drum.codes == []
 
 
 @pytest.mark.parametrize("speed", [0.2, -0.2, 0.1])
@@ -244,7 +233,7 @@ def test_a_drum_that_comes_to_rest_after_the_brake_was_ordered_is_told_of_nothin
         drum.tick(rate, fault=fault)
     drum.stops = False
     drum.rest(5.0, fault=fault)
-    assert "DRUM_RUNS_BRAKED" not in drum.codes
+    assert "DRUM_NOT_HELD: count" not in drum.codes
 
 
 @pytest.mark.parametrize("gain", [1.0, 2.0, 4.0])
@@ -262,7 +251,7 @@ def test_a_drum_that_still_gains_speed_when_the_brake_is_ordered_does_not_run_on
         rate = max(rate - 0.5 * TICK, 0.0)
         drum.tick(rate)
     drum.rest(5.0)
-    assert drum.codes == ["DRUM_OFF_ORDER"]
+    assert drum.codes == ["DRUM_OFF_ORDER: distance"]
 
 
 def test_a_brake_that_stays_open_after_a_stop_is_told_within_a_third_of_a_second():
@@ -278,6 +267,6 @@ def test_a_brake_that_stays_open_after_a_stop_is_told_within_a_third_of_a_second
     drum.envelope.acknowledge()
     drum.rest(2.0, rate=0.5, fault=WinchFault.EMERGENCY_STOP)
     time, at, alarm = drum.alarms[0]
-    assert alarm.code == "DRUM_RUNS_BRAKED"
+    assert alarm.name == "DRUM_NOT_HELD: count"
     assert time - begin < 0.3
     assert at - way < 0.1

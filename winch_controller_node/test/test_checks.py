@@ -44,20 +44,6 @@ def test_the_first_values_weigh_as_in_a_plain_average():
     assert found == pytest.approx([0.0, 1.0 / 2.0, 1.0 / 3.0])
 
 
-@pytest.mark.parametrize("time", [2.0, 10.0, 30.0, 60.0])
-def test_after_a_step_the_deviation_rises_within_its_memory_and_falls_as_the_mean_follows_three_times_more_slowly(time):
-    """With T = 10 s, T v' = h^2 e^(-2t/3T) - v from rest gives v = 3 h^2 (e^(-2t/3T) - e^(-t/T))."""
-    memory, step, tick = 10.0, 2.0, 0.01
-    sigma = RunningSigma(memory, tick, SLOW_MEAN_FACTOR)
-    for _ in range(round(10.0 * memory / tick)):
-        sigma.add(5.0)
-    assert sigma.sigma == 0.0
-    for _ in range(round(time / tick)):
-        sigma.add(5.0 + step)
-    solution = 3.0 * step**2 * (math.exp(-2.0 * time / (3.0 * memory)) - math.exp(-time / memory))
-    assert sigma.sigma**2 == pytest.approx(solution, rel=0.01)
-
-
 def heaves(readings, noise=0.0):
     """Return the heave after each of the `readings` of a depth sensor [m]; None: none came."""
     guard, found = a_guard(), []

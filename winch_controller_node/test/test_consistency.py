@@ -46,7 +46,7 @@ def test_readings_that_disagree_and_that_nothing_explains_are_an_alarm_once():
     consistency = Consistency(DT)
     ((time, alarm),) = news_of(consistency, 9.0, 300.0)
     assert abs(time - 90.0 - 20.0 * math.log(8.0 / 7.0)) < 0.2
-    assert alarm.code == "SENSORS_DISAGREE"
+    assert alarm.name == "SENSORS_DISAGREE"
     assert alarm.values["measurement"] == "unit_heave"
     assert abs(alarm.values["ratio"] - 3.0) < 0.05
     assert news_of(consistency, 1.0, 100.0) == []

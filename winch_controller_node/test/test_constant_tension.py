@@ -7,7 +7,6 @@ import pytest
 from heave_core.law import LoopNow, put
 from heave_core.law_table import COMMAND_STATE, Way
 from heave_core.library import new
-from winch_controller_node.core.estimation.loop_tick import TENSION_MEMORY
 from winch_controller_node.core.estimation.sense_design import FILTER_SHARE
 from winch_controller_node.core.loop_command import commander
 from winch_controller_node.design.design import design_controller
@@ -108,19 +107,6 @@ def test_half_of_the_travel_counts_beyond_what_the_change_of_tension_requires():
         for _ in range(2000):
             held.rate(outlet=outlet)
         assert bool(held.core.made.half_travelled) is is_half
-
-
-@pytest.mark.parametrize("phase", np.linspace(0.0, 2.0 * math.pi, 8, endpoint=False))
-def test_the_mean_tension_is_that_of_the_waves_at_whatever_instant_it_is_read(phase):
-    """Of a wave A sin(w t) a plain mean leaves 2 A/(w t) at most, a low-pass of time constant T A/(w T)."""
-    mean, omega, amplitude = MeanTension(tick_period=DT), 2.0 * math.pi / 9.0, 15e3
-    for tick in range(4000):
-        mean.add(48e3 + amplitude * math.sin(omega * tick * DT + phase), 0.0, unit_stands=True)
-        time = (tick + 1) * DT
-        assert mean.mean.time == pytest.approx(time)
-        if time > 10.0:
-            left = 2.0 / (omega * min(time, TENSION_MEMORY))
-            assert abs(mean.mean.value - 48e3) < amplitude * left * 1.1
 
 
 @pytest.mark.parametrize("place", [(0.5, True), (0.0, False)], ids=["payout moved", "unit lifted"])

@@ -68,10 +68,10 @@ def test_an_emergency_stop_is_an_error_whoever_asked_for_it():
 
 
 def test_a_lost_sensor_says_what_to_do_and_one_that_is_well_is_ok():
-    lost = SensorState("mru", SensorLevel.LOST, "frozen", 0.2, 10, 3, ALARMS.alarm("MRU_FROZEN"))
+    lost = SensorState("mru", SensorLevel.LOST, "frozen", 0.2, 10, 3, ALARMS.alarm("SENSOR_LOST, MRU: frozen"))
     well = SensorState("depth", SensorLevel.OK, "", 0.2, 10, 0)
     words = {part.part: part.message for part in parts_of("compensating", sensors=(lost, well)) if part is not None}
-    assert words["sensor mru"] == str(ALARMS.alarm("MRU_FROZEN"))
+    assert words["sensor mru"] == str(ALARMS.alarm("SENSOR_LOST, MRU: frozen"))
     assert words["sensor depth"] == "ok"
 
 

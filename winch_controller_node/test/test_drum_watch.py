@@ -63,12 +63,6 @@ def test_a_winch_other_than_believed_is_missed_until_it_is_believed(winch):
     assert np.max(np.abs(known)) < 6e-3
 
 
-def test_a_drum_at_its_speed_limit_under_larger_set_points_is_where_it_was_predicted():
-    """There the rate at the start of a second says nothing."""
-    known = watched(size=2.0, believed={"winch.speed_out": 1.1, "winch.speed_in": 1.1}, speed_limit=1.1)[1]
-    assert np.max(np.abs(known)) < 0.01
-
-
 def test_nothing_is_predicted_from_too_few_readings_or_through_a_gap():
     count = 2 * round(CHECKED_TIME / DT)
     _, errors, _ = watched(speed_gain=0.5, gap=[200])
@@ -135,12 +129,6 @@ def test_a_new_watch_needs_no_reset_and_takes_the_winch_for_the_nominal_one_at_r
     assert watch.ordered().share == pytest.approx(1.0, rel=0.05)
 
 
-@pytest.mark.parametrize(("limited", "is_limited"), [(384, True), (383, False)])
-def test_a_limit_counts_from_the_first_reading_of_the_comparison_on(limited, is_limited):
-    """Sixteen ticks of motion lie between seventeen readings, of which that of tick 384 is the first of 400."""
-    assert watched(limited=(limited,))[0].ordered().is_limited is is_limited
-
-
 @pytest.mark.parametrize(("missing", "is_known"), [(4, True), (5, False)])
 def test_four_fifths_of_the_readings_are_enough(missing, is_known):
     """Of 16 ticks 12.8 need readings: of the 17 readings four may be missing."""
@@ -158,17 +146,6 @@ def test_a_few_millimetres_of_motion_are_needed(speed, is_known):
     if ordered is not None:
         assert (ordered.share, ordered.left) == pytest.approx((1.0, 0.0), abs=1e-3)
         assert not ordered.is_limited
-
-
-def test_the_readings_that_no_order_explains_are_what_is_left_of_them():
-    """A saw of 1 cm to and fro on 0.2 m/s: 1 sigma of the rest is 1 cm, of the ramp 0.2 * DT * sqrt(255 / 12) = 4.6."""
-    watch = DrumWatch(BELIEF.winch, BELIEF.lag.largest, DT)
-    for tick in range(200):
-        watch.add(0.0, 0.2, 0.2 * DT * tick + (0.01 if tick % 2 else -0.01))
-    ordered = watch.ordered()
-    ramp = 0.2 * DT * np.sqrt(255.0 / 12.0)
-    assert ordered.left == pytest.approx(0.01 / np.hypot(0.01, ramp), rel=0.05)
-    assert not ordered.is_true
 
 
 @pytest.mark.parametrize("started", [280, 330])
@@ -291,12 +268,6 @@ def test_where_either_encoder_or_orders_stand_still_nothing_is_known_of_their_ra
     for tick in range(200):
         watch.add(0.0, rate, read * DT * tick)
     assert watch.ordered() is None
-
-
-def test_a_reset_forgets_the_readings_by_itself():
-    watch, *_ = watched(speed_gain=0.5)
-    watch.reset(2.0)
-    assert (watch.error(), watch.ordered()) == (0.0, None)
 
 
 @pytest.mark.parametrize("gain", [1.3, 0.7])
@@ -444,7 +415,7 @@ def test_an_encoder_that_was_wrong_from_the_start_is_set_aside_at_once_and_nothi
     found, reflex = acts([BACK] * 3)
     assert found == [(0, Act.SET_ASIDE)]
     assert reflex.is_unresolved
-    assert reflex.inhibition.code == "WINCH_OR_ENCODER_REVERSED"
+    assert reflex.inhibition.name == "DRUM_OR_ENCODER: unresolved reversal"
 
 
 def test_one_that_turns_over_later_is_set_aside_after_so_many_looks_and_the_loop_goes_on():
@@ -522,26 +493,6 @@ def test_a_rest_that_is_not_straight_is_no_reason():
     assert acts([None] * 50)[0] == []
 
 
-@pytest.mark.parametrize("share", [-3.0, -0.5, 0.3, 0.55, 0.8, 1.0, 1.25, 1.5, 2.5])
-@pytest.mark.parametrize("left", [0.0, 0.14, 0.16, 0.9])
-def test_what_is_true_is_neither_reversed_nor_sudden(share, left):
-    one = Ordered(share, left, 0.0)
-    for was in (False, True):
-        assert not (one.is_true and (one.is_reversed(was=was) or one.is_sudden(was=was)))
-    assert not (one.is_right_way and one.is_reversed(was=True))
-    # what begins goes on: it ends further off than it begins
-    assert not one.is_reversed(was=False) or one.is_reversed(was=True)
-    assert not one.is_sudden(was=False) or one.is_sudden(was=True)
-
-
-def test_one_that_is_set_aside_late_is_not_unresolved_and_one_in_the_beginning_is_until_it_was_right_once():
-    """The winch has moved for 16 s, or 14 s, without a look that showed anything."""
-    for moved, is_unresolved in ((BEGINNING + 1.0, False), (BEGINNING - 1.0, True)):
-        found, reflex = acts([None] * seconds(moved) + [BACK] * 3)
-        assert [act for _, act in found] == [Act.SET_ASIDE]
-        assert reflex.is_unresolved is is_unresolved
-
-
 @pytest.mark.parametrize(("moved", "is_unresolved"), [(14.9, True), (15.1, False)])
 def test_the_time_in_which_the_winch_moves_counts_from_its_first_tick(moved, is_unresolved):
     """In the first 15 s an encoder may have been wrong from the start."""
@@ -567,25 +518,12 @@ def test_it_looks_ten_times_a_second_and_at_nothing_in_between():
 @pytest.mark.parametrize(
     ("shown", "alarm", "inhibition"),
     [
-        ([BACK] * 3, "DRUM_OR_ENCODER_REVERSED", "WINCH_OR_ENCODER_REVERSED"),
-        ([TRUE] * 400 + [HALF] * (seconds(LONGEST_ASIDE) + 5), "DRUM_OR_ENCODER_SCALE", "WINCH_OR_ENCODER_SCALE"),
+        ([BACK] * 3, "reversed", "unresolved reversal"),
+        ([TRUE] * 400 + [HALF] * (seconds(LONGEST_ASIDE) + 5), "scale", "unresolved scale"),
     ],
     ids=["reversed", "scale"],
 )
 def test_what_is_wrong_with_an_encoder_is_told_by_its_code(shown, alarm, inhibition):
     _, reflex = acts(shown)
-    assert (reflex.alarm.code, reflex.inhibition.code) == (alarm, inhibition)
-
-
-def test_the_speed_of_long_ago_counts_for_a_slow_servo():
-    """T = 1.5 s: what it does now was ordered seconds ago, and the encoder reads just that."""
-    ordered = watched(time_constant=1.5, believed={"winch.time_constant": 1.5})[0].ordered()
-    assert ordered.share == pytest.approx(1.0, rel=0.01)
-    assert ordered.is_true
-
-
-def test_a_drum_under_the_longest_delay_that_may_be_believed_is_where_it_was_predicted():
-    longest = BELIEF.winch.command_delay + BELIEF.lag.largest
-    known = watched(command_delay=longest, believed={"winch.command_delay": longest})
-    assert np.max(np.abs(known[1])) < 6e-3
-    assert known[0].ordered().share == pytest.approx(1.0, rel=0.06)
+    assert reflex.alarm.name == f"DRUM_OR_ENCODER: {alarm}"
+    assert reflex.inhibition.name == f"DRUM_OR_ENCODER: {inhibition}"

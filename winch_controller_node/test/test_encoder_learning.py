@@ -75,7 +75,7 @@ def test_a_winch_that_goes_the_other_way_is_stopped_within_three_seconds_of_moti
     # the envelope brakes a drum whose count runs against what was sent, where it sees that before the winch is at rest
     assert end == {"winch": "standby", "encoder": "stopped"}[who]
     # the finding is reported once, and compensation is not tried again by itself
-    assert [alarm.code for _, alarm in record.alarms].count("DRUM_OR_ENCODER_REVERSED") == 1
+    assert [alarm.name for _, alarm in record.alarms].count("DRUM_OR_ENCODER: reversed") == 1
 
 
 @pytest.mark.parametrize("who", WHO)
@@ -84,7 +84,7 @@ def test_a_winch_that_goes_the_other_way_is_tried_again_once_an_operator_asks(wh
     *before, rest = run_of(who).modes
     assert before in (["standby", "compensating", "fade_out", "stopping"], ["standby", "compensating", "stopping"])
     assert rest in ("standby", "stopped")
-    assert [alarm.code for alarm in run_of(who).alarms].count("DRUM_OR_ENCODER_REVERSED") == 1
+    assert [alarm.name for alarm in run_of(who).alarms].count("DRUM_OR_ENCODER: reversed") == 1
 
 
 def test_what_stands_beside_it_is_that_it_is_not_tried_again_until_an_operator_asks():
@@ -108,7 +108,7 @@ def test_a_unit_whose_winch_goes_the_other_way_is_never_worse_off(who):
 
 def test_a_winch_that_was_set_right_goes_on_once_an_operator_asks():
     loop = loop_of("winch", 60.0)
-    assert "DRUM_OR_ENCODER_REVERSED" in {alarm.code for _, alarm in loop.run().alarms}
+    assert "DRUM_OR_ENCODER: reversed" in {alarm.name for _, alarm in loop.run().alarms}
     del loop.winch.step  # what it is sent is what it does from now on
     loop.controller.set_mode("compensating")
     found = [loop.step() for _ in range(round(60.0 / TICK))]

@@ -94,7 +94,7 @@ def test_a_sea_that_rises_while_the_winch_follows_it_is_told_again_by_what_it_ha
     """Compensation begins at 20 s, a third up the ramp of a sea that needs more than the winch has."""
     settings = ["all.duration=120", "wave_vessel.ramp=60"]
     record = ClosedLoop(loop_parameters(load_scenario("b4_limit_900_tp10", settings=settings))).run()
-    told = [alarm.values["percent"] for _, alarm in record.alarms if alarm.code == "SEA_ABOVE_WINCH"]
+    told = [alarm.values["percent"] for _, alarm in record.alarms if alarm.name == "SEA_ABOVE_WINCH"]
     assert told[0] < 100.0 <= told[-1]
     assert all(after > 1.5 * before for before, after in itertools.pairwise(told))
 

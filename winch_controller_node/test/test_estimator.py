@@ -49,39 +49,6 @@ def simulate(ticks, seed=3):
     return np.array(states), readings, commands
 
 
-def test_a_late_reading_gives_the_estimate_it_would_have_given_in_time():
-    _, readings, commands = simulate(30)
-    in_time, late = make(), make()
-    for k in range(30):
-        before = commands[k - 1] if k else 0.0
-        in_time.step(k, before, [Measurement("position", readings[k], k)] if k <= 25 else [])
-        late.step(k, before, [Measurement("position", readings[k - 4], k - 4)] if k >= 4 else [])
-    assert late.estimate == pytest.approx(in_time.estimate, rel=1e-9)
-    assert late.covariance == pytest.approx(in_time.covariance, rel=1e-9)
-
-
-def test_readings_out_of_order_give_the_same_estimate():
-    _, readings, commands = simulate(12)
-    ordered, mixed = make(), make()
-    for k in range(12):
-        before = commands[k - 1] if k else 0.0
-        ordered.step(k, before, [Measurement("position", readings[k], k)])
-        given = {5: [], 6: [6], 7: [5, 7]}.get(k, [k])
-        mixed.step(k, before, [Measurement("position", readings[i], i) for i in given])
-    assert mixed.estimate == pytest.approx(ordered.estimate, rel=1e-9)
-
-
-def test_ticks_left_out_are_predicted_over():
-    whole, gap = make(), make()
-    whole.step(0, 0.0, [Measurement("position", 0.5, 0)])
-    gap.step(0, 0.0, [Measurement("position", 0.5, 0)])
-    for k in range(1, 6):
-        whole.step(k, 0.2, [])
-    gap.step(5, 0.2, [])
-    assert gap.estimate == pytest.approx(whole.estimate, rel=1e-12)
-    assert gap.covariance == pytest.approx(whole.covariance, rel=1e-12)
-
-
 @pytest.mark.parametrize("wrong", [math.nan, math.inf, 50.0])
 def test_a_reading_outside_the_gate_changes_nothing_and_is_named(wrong):
     estimator, clean = make(), make()
@@ -91,30 +58,6 @@ def test_a_reading_outside_the_gate_changes_nothing_and_is_named(wrong):
     assert estimator.estimate == pytest.approx(clean.estimate, rel=1e-12)
     assert not estimator.innovations["position"].accepted
     assert estimator.refusals["position"] == 1
-
-
-def test_a_reading_older_than_the_memory_is_refused():
-    estimator = make(largest_age=3)
-    for k in range(10):
-        estimator.step(k, 0.0, [])
-    before = estimator.estimate.copy()
-    estimator.step(10, 0.0, [Measurement("position", 0.3, 6)])
-    assert not estimator.innovations["position"].accepted
-    assert estimator.estimate == pytest.approx(estimator.model.A @ before)
-
-
-def test_a_plant_that_was_thrown_off_is_found_again():
-    estimator = make(gate_limit=10)
-    truth = np.zeros(2)
-    for k in range(60):
-        estimator.step(k, 0.0, [Measurement("position", float(truth[0]), k)])
-        truth = estimator.model.A @ truth + (30.0 if k == 20 else 0.0) * np.array([1.0, 0.0])
-    assert estimator.innovations["position"].accepted
-    assert estimator.estimate == pytest.approx(truth_before(truth, estimator), abs=1.0)
-
-
-def truth_before(truth, estimator):
-    return np.linalg.solve(estimator.model.A, truth)
 
 
 def test_a_step_back_in_time_is_refused():
@@ -137,56 +80,6 @@ def test_errors_and_innovations_have_the_covariance_the_filter_states():
     assert np.mean(nis) == pytest.approx(1.0, abs=3.0 * math.sqrt(2.0 / 4000))
     # the errors are correlated over about 10 ticks
     assert np.mean(nees) == pytest.approx(2.0, abs=3.0 * 2.0 * math.sqrt(10.0 / 4000))
-
-
-def test_a_scale_error_is_found_when_another_sensor_tells_the_truth():
-    base, P = swing()
-    A = np.block([[base.A, np.zeros((2, 1))], [np.zeros((1, 2)), np.eye(1)]])
-    model = linear_model(
-        A,
-        states=("x", "v", "scale"),
-        inputs={"u": [*base.B[:, 0], 0.0]},
-        outputs={"x": [1.0, 0.0, 0.0]},
-        noises={f"w{i}": [*base.G[:, i], 0.0] for i in range(base.G.shape[1])},
-        dt=DT,
-    )
-    start = np.zeros((3, 3))
-    start[:2, :2], start[2, 2] = P, 0.1**2
-    row = model.row("x")
-    estimator = KalmanEstimator(
-        model, [MeasurementModel("scaled", "a", row, 0.05, 2), MeasurementModel("plain", "b", row, 0.2)], start
-    )
-    states, _, commands = simulate(3000, seed=5)
-    rng = np.random.default_rng(9)
-    for k in range(3000):
-        scaled = 1.08 * states[k][0] + 0.05 * rng.standard_normal()
-        plain = states[k][0] + 0.2 * rng.standard_normal()
-        estimator.step(
-            k, commands[k - 1] if k else 0.0, [Measurement("scaled", scaled, k), Measurement("plain", plain, k)]
-        )
-    sigma = math.sqrt(estimator.covariance[2, 2])
-    assert sigma < 0.01
-    assert abs(estimator.estimate[2] - 0.08) < 4.0 * sigma
-
-
-def test_a_sensor_with_a_gate_of_its_own_is_never_refused_by_the_estimate():
-    """The model is far more wrong than it thinks: an ungated reading takes the estimate along, a gated one does not."""
-    model, P = swing()
-    left = {}
-    for is_gated in (True, False):
-        estimator = KalmanEstimator(
-            model, [MeasurementModel("position", "sensor", model.row("x"), 0.01, is_gated=is_gated)], P
-        )
-        for k in range(20):
-            estimator.step(k, 0.0, [Measurement("position", 0.0, k)])
-        for k in range(20, 40):
-            estimator.step(k, 0.0, [Measurement("position", 5.0, k)])
-        left[is_gated] = abs(float(estimator.estimate[0]) - 5.0)
-        assert estimator.innovations["position"].accepted is not is_gated
-    assert left[True] > 4.0
-    assert left[False] < 0.5
-    estimator.step(40, 0.0, [Measurement("position", math.nan, 40)])
-    assert np.all(np.isfinite(estimator.estimate))
 
 
 def test_a_stream_that_the_model_does_not_foresee_is_followed_and_a_lone_outlier_in_it_is_not():

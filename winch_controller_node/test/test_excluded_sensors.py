@@ -83,7 +83,7 @@ def seen_of(outputs, sensor):
 
 def told(record, code):
     """Return the times at which an alarm of a `code` was raised [s]."""
-    return [time for time, alarm in record.alarms if alarm.code == code]
+    return [time for time, alarm in record.alarms if alarm.name == code]
 
 
 @pytest.mark.parametrize(
@@ -155,7 +155,7 @@ def test_the_sensor_that_turned_is_named_within_20_seconds_and_no_other(fault):
     """An MRU that is turned over may jump as well: what is lost is neither used nor blamed."""
     sensor, _ = FAULTS[fault]
     run = run_with(fault)
-    lost = next(iter(told(run.record, f"{sensor.upper()}_JUMPS")), np.inf)
+    lost = next(iter(told(run.record, f"SENSOR_LOST, {sensor.upper()}: jumps")), np.inf)
     assert TURNS < min(run.first(sensor), lost) < TURNS + 20.0
     for other in {"mru", "depth", "encoder", "cable"} - {sensor}:
         assert run.first(other) == np.inf, other
@@ -238,6 +238,6 @@ def test_a_depth_sensor_that_jumps_is_told_and_not_followed():
     settings = [f"cable_sim.sensors.depth.faults.{name}={value}" for name, value in fault.items()]
     scenario = load_scenario("b3_deep_900", settings=["all.duration=120", "all.seed=7", *settings])
     record = ClosedLoop(loop_parameters(scenario)).run()
-    assert len(told(record, "DEPTH_JUMP")) == 1
+    assert len(told(record, "SENSOR_DOUBTFUL, DEPTH: jump")) == 1
     assert record.modes[-1] == "compensating"
     assert record.unit_sigma(TURNS) < 0.05 * record.uncompensated_sigma(TURNS)

@@ -5,8 +5,6 @@ import dataclasses
 import numpy as np
 import pytest
 from heave_core.filter import no_slack
-from hypothesis import given, settings
-from hypothesis import strategies as st
 from winch_controller_node.adviser.filter_pass import PassInput, PassModel, run_pass
 from winch_controller_node.design.design import design_controller
 from winch_controller_node.model.estimator import KalmanEstimator, Measurement
@@ -125,86 +123,6 @@ def test_a_pass_says_of_each_reading_what_the_filter_of_the_loop_says(design, wi
     np.testing.assert_allclose(result.variances, variances, rtol=1e-9)
     np.testing.assert_allclose(result.state[:, 0], estimator.estimate, atol=1e-9)
     np.testing.assert_allclose(result.covariance, estimator.covariance, atol=1e-9)
-
-
-def test_readings_of_one_tick_one_after_the_other_are_as_good_as_all_at_once(design):
-    """Their noises are independent: the state is the same, though each is judged by what those before have read."""
-    model = model_of(design)
-    commands, readings = record_of(design, each_tick=len(design.measurements))
-    estimator, *_ = followed(design, model, commands, readings)
-    used = np.ones(len(design.measurements), dtype=np.bool_)
-    result = run_pass(model, input_of(design, commands, readings), used)
-    np.testing.assert_allclose(result.state[:, 0], estimator.estimate, atol=1e-9)
-    np.testing.assert_allclose(result.covariance, estimator.covariance, atol=1e-9)
-
-
-def test_a_measurement_that_is_not_used_is_judged_and_changes_nothing(design):
-    model, used = model_of(design), np.ones(len(design.measurements), dtype=np.bool_)
-    used[-1] = False
-    commands, readings = record_of(design, each_tick=2)
-    kept = [one for one in readings if one[1] != len(used) - 1]
-    all_of_them = run_pass(model, input_of(design, commands, readings), used)
-    without = run_pass(model, input_of(design, commands, kept), np.ones_like(used))
-    mine = [one[1] != len(used) - 1 for one in readings]
-    np.testing.assert_array_equal(all_of_them.innovations[mine], without.innovations)
-    np.testing.assert_array_equal(all_of_them.state, without.state)
-    assert np.all(np.isfinite(all_of_them.innovations))
-
-
-@settings(max_examples=10)
-@given(st.lists(st.floats(-3.0, 3.0), min_size=3, max_size=3), st.integers(0, 2**31))
-def test_innovations_and_state_are_sums_of_those_of_the_columns(design, weights, seed):
-    """Drag and slack go by what was seen, and are the same for all columns."""
-    random = np.random.default_rng(seed)
-    model = model_of(design, with_drag=True, with_slack=True)
-    commands, readings = record_of(design, each_tick=2)
-    speed, missing = random.uniform(0.0, 3.0, TICKS), np.maximum(random.normal(0.0, 1.0, TICKS), 0.0)
-    columns = random.standard_normal((len(readings), 3))
-    sums = columns @ np.array(weights)[:, None]
-    used = np.ones(len(design.measurements), dtype=np.bool_)
-    whole = input_of(
-        design,
-        weights[0] * commands,
-        readings,
-        speed=speed,
-        missing=missing,
-        values=sums,
-    )
-    apart = input_of(design, commands, readings, speed=speed, missing=missing, values=columns)
-    together, parts = run_pass(model, whole, used), run_pass(model, apart, used)
-    np.testing.assert_allclose(together.innovations[:, 0], parts.innovations @ weights, atol=1e-8)
-    np.testing.assert_allclose(together.state[:, 0], parts.state @ weights, atol=1e-8)
-    np.testing.assert_array_equal(together.variances, parts.variances)
-
-
-def test_some_columns_alone_are_what_they_are_among_all(design):
-    model, random = model_of(design), np.random.default_rng(5)
-    commands, readings = record_of(design)
-    record = input_of(design, commands, readings, values=random.standard_normal((len(readings), 5)))
-    used = np.ones(len(design.measurements), dtype=np.bool_)
-    whole, some = run_pass(model, record, used), run_pass(model, record.among(np.array([0, 3])), used)
-    np.testing.assert_allclose(some.innovations, whole.innovations[:, [0, 3]], atol=1e-12)
-
-
-def test_innovations_of_the_model_itself_are_white_and_of_variance_one(design):
-    """Two minutes drawn from the model that the pass has: theory says N(0, 1), independent."""
-    model, random = model_of(design), np.random.default_rng(2)
-    n = design.model.order
-    noise = np.linalg.cholesky(model.Q + 1e-18 * np.eye(n))
-    x = np.linalg.cholesky(model.start + 1e-12 * np.eye(n)) @ random.standard_normal(n)
-    commands, _ = record_of(design, each_tick=len(design.measurements))
-    read = []
-    for tick in range(TICKS):
-        x = model.F @ x + model.B * commands[tick] + noise @ random.standard_normal(n)
-        read += [
-            (tick, which, 0.0, float(known.row @ x + known.sigma * random.standard_normal()))
-            for which, known in enumerate(design.measurements)
-        ]
-    used = np.ones(len(design.measurements), dtype=np.bool_)
-    e = run_pass(model, input_of(design, commands, read), used).innovations[:, 0]
-    # 1,600 squares: a mean of 1 with a standard deviation of sqrt(2 / 1600) = 0.035
-    assert np.mean(e**2) == pytest.approx(1.0, abs=4.0 * np.sqrt(2.0 / len(e)))
-    assert abs(np.mean(e[1:] * e[:-1])) < 4.0 / np.sqrt(len(e))
 
 
 def test_a_model_of_a_pass_has_the_start_it_was_given(design):

@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from winch_controller_node.design.design import design_controller
 from winch_controller_node.laws.parts.governor import CommandGovernor, standing_command
-from winch_controller_node.laws.parts.winch_limits import ActiveWinch, WinchLimits
+from winch_controller_node.laws.parts.winch_limits import ActiveWinch
 from winch_controller_node.node_parameters import WinchControllerParameters
 from winch_controller_node.parameters.model import WinchModelParameters
 
@@ -77,59 +77,6 @@ def test_the_winch_stops_inside_its_payout_range_under_a_command_that_never_lets
     # and slows down all the way: it went to and fro at the end, a tick each, and beyond it by half a millimetre
     rates = np.array([state.payout_rate for state in states])
     assert np.all(np.diff(rates[np.argmax(rates) + 40 :]) < 1e-3)
-
-
-def test_the_power_limit_bounds_the_speed_under_tension():
-    """P = T v: 100 kW at 200 kN are 0.5 m/s."""
-    limits = WinchLimits(2.0, 1.5, -50.0, 50.0, power=100e3)
-    assert limits.speed_under(200e3) == pytest.approx(0.5)
-    assert limits.speed_under(0.0) == 2.0
-
-
-@given(st.floats(-0.26, 0.26), st.floats(-1.5, 1.5))
-def test_the_set_point_gains_with_the_limiter_what_the_linear_servo_gains_without(step, rate):
-    """Integrates the limited servo v' = clip((s - v)/T, a) finely and compares with the exact linear step."""
-    lag, limit = 0.15, 1.5
-    set_point = govern(rate + step, rate=rate).sent
-    v, fine = rate, 5000
-    for _ in range(fine):
-        v += max(-limit, min(limit, (set_point - v) / lag)) * DT / fine
-    assert v - rate == pytest.approx(step * -math.expm1(-DT / lag), abs=3e-5)
-
-
-@settings(max_examples=20, deadline=None)
-@given(st.lists(st.floats(-30.0, 30.0), min_size=1, max_size=12))
-def test_a_slow_servo_that_takes_set_points_beyond_its_speed_is_driven_with_them_and_keeps_its_speed(targets):
-    """v' = (v_set - v)/T, T = 1 s, exact over a tick: within 1.1 m/s, however large the set-points."""
-    winch = WinchModelParameters(
-        time_constant=1.0, command_delay=0.0, speed_limit=1.1, acceleration_limit=100.0, set_point_reach=20.0
-    )
-    governor = governor_of(design_controller(WinchControllerParameters(winch=winch), tick_period=DT))
-    rate, rates = 0.0, [0.0]
-    for wanted in np.repeat(targets, 10):
-        governed = governor.govern(wanted, 0.0, rate, 1e4)
-        assert governed.sent == governed.value
-        assert abs(governed.sent) <= 22.0
-        rate -= (governed.sent - rate) * math.expm1(-DT)
-        rates.append(rate)
-    assert np.max(np.abs(rates)) <= 1.1 + 1e-9
-
-
-def test_full_speed_is_reached_in_the_time_that_the_larger_set_point_needs():
-    """T = 1 s: 11 m/s reaches 1.1 m/s within -ln(1 - 0.1) = 0.105 s, three ticks; a set-point of 1.1 m/s never does."""
-
-    def speed(reach):
-        winch = WinchModelParameters(
-            time_constant=1.0, command_delay=0.0, speed_limit=1.1, acceleration_limit=100.0, set_point_reach=reach
-        )
-        governor = governor_of(design_controller(WinchControllerParameters(winch=winch), tick_period=DT))
-        rate = 0.0
-        for _ in range(3):
-            rate -= (governor.govern(11.0, 0.0, rate, 1e4).sent - rate) * math.expm1(-DT)
-        return rate
-
-    assert speed(10.0) == pytest.approx(1.1)
-    assert speed(1.0) == pytest.approx(1.1 * -math.expm1(-3.0 * DT))
 
 
 @given(st.floats(-1.0, 1.0))

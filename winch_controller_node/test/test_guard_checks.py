@@ -247,7 +247,7 @@ def test_harm_over_waves_is_told_from_half_the_window_on():
         harms.append(guard.alarm)
     assert not any(harms[: round(9.9 / DT)])
     assert all(harms[round(10.1 / DT) :])
-    assert harms[-1].code == "WORSE_THAN_OFF"
+    assert harms[-1].name == "WORSE_THAN_OFF: estimate"
     assert harms[-1].values["sigma"] / harms[-1].values["free"] == pytest.approx(0.8 / 0.5)
 
 
@@ -269,7 +269,7 @@ def test_an_estimate_is_not_trusted_while_the_depth_sensor_contradicts_it_and_is
     assert guarded(reads=0.1, unit=0.1).trusts_estimate
     assert not guarded(reads=0.5, unit=0.0).trusts_estimate
     guard = guarded(reads=0.75, unit=0.55)
-    assert (guard.alarm.code, guard.trusts_estimate) == ("UNIT_HEAVE_HIGH", False)
+    assert (guard.alarm.name, guard.trusts_estimate) == ("WORSE_THAN_OFF: depth", False)
     guard.allow_correction("mru")
     assert guard.trusts_estimate
     guard = guarded(reads=0.75, unit=0.55)

@@ -174,4 +174,4 @@ def test_giving_way_does_not_ring_with_the_wire(monkeypatch):
 def test_a_highest_tension_that_compensation_cannot_keep_makes_it_none_the_worse(scenario, ratio):
     record = with_highest_tension(scenario, ratio, 120.0).run()
     assert record.unit_sigma(60.0) < 0.05 * record.uncompensated_sigma(60.0)
-    assert [alarm.code for _, alarm in record.alarms].count("TENSION_LIMIT_LOW") == 1
+    assert [alarm.name for _, alarm in record.alarms].count("TENSION_LIMIT_LOW") == 1

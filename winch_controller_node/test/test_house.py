@@ -57,43 +57,12 @@ def test_the_controller_runs_without_simulators_sensors_and_recorder(module):
     assert done.stdout.strip() == "standby"
 
 
-WINGS = (
-    ("parameters", "interface"),
-    ("model",),
-    ("motion",),
-    ("laws",),
-    ("node_parameters",),
-    ("design",),
-    ("beliefs",),
-    ("estimation", "adviser"),
-    ("identification",),
-    ("supervision",),
-)
-"""From the bottom up; what stands in no wing is at the face of the package, above all of them."""
-
-
-def height_of(module):
-    """Return the height at which a module of the package stands, without the package's name."""
-    for height, wings in enumerate(WINGS):
-        if any(module == wing or module.startswith(wing + ".") for wing in wings):
-            return height
-    return len(WINGS)
-
-
 def imports_of(path):
     """Return the modules of this package that a file imports, without the package's name."""
     prefix = "winch_controller_node."
     for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
         if isinstance(node, ast.ImportFrom) and (node.module or "").startswith(prefix):
             yield node.module.removeprefix(prefix)
-
-
-def test_arrows_between_the_wings_run_downwards():
-    upward = []
-    for path in PACKAGE.rglob("*.py"):
-        module = ".".join(path.relative_to(PACKAGE).with_suffix("").parts)
-        upward += [f"{module} -> {name}" for name in imports_of(path) if height_of(name) > height_of(module)]
-    assert not upward
 
 
 CORE = (

@@ -1,4 +1,4 @@
-"""The compiled Kalman filter beside one on filterpy's, which can take its place in the loop."""
+"""The compiled Kalman filter beside one on filterpy's."""
 
 import math
 from collections import deque
@@ -8,8 +8,6 @@ from unittest import mock
 import filterpy.kalman
 import numpy as np
 import pytest
-from heave_bringup.closed_loop import ClosedLoop, loop_parameters
-from heave_bringup.scenarios import load_scenario
 from heave_core.filter import UNCERTAINTY, UNCERTAINTY_TIME, Drag, FilterModel, Gate, KalmanFilter, Slack
 from heave_node.numerics.arrays import Array
 from heave_node.numerics.linear_model import linear_model
@@ -72,10 +70,6 @@ class ReferenceKalmanFilter:
 
     def _set_state(self, x: Array, P: Array) -> None:
         self._filter.x, self._filter.P = np.array(x, dtype=float)[:, None], np.array(P, dtype=float)
-
-    def set_model(self, model: FilterModel) -> None:
-        """Go on with another model."""
-        self._model, self._noise = model, model.Q
 
     def set_noise(self, covariance: Array) -> None:
         """Use another covariance of the process noise."""
@@ -199,15 +193,7 @@ class ReferenceKalmanFilter:
             self._filter.update(value, R=reading[VARIANCE], H=row[None, :])
 
 
-FILTERS = {"compiled": KalmanFilter, "filterpy": ReferenceKalmanFilter}
-
-
-def on(implementation):
-    """Return a context in which estimators are made on that filter."""
-    return mock.patch.object(estimator_module, "KalmanFilter", FILTERS[implementation])
-
-
-def estimator(implementation, seed, *, linear):
+def estimator(seed, *, linear, is_peer=False):
     """Return an estimator of a random stable model, whose memory is short and which gives a sensor up soon."""
     random = np.random.default_rng(seed)
     A = random.standard_normal((5, 5))
@@ -232,7 +218,7 @@ def estimator(implementation, seed, *, linear):
     ]
     slack = Slack(random.standard_normal(5), random.uniform(0.0, 1.0, len(SENSORS)), 1, 2.0, 0.1, 0.05)
     drag = Drag(1, inertia=2.0, damping=0.1, quadratic=0.5, tick_period=0.05)
-    with on(implementation):
+    with mock.patch.object(estimator_module, "KalmanFilter", ReferenceKalmanFilter if is_peer else KalmanFilter):
         return KalmanEstimator(
             model,
             measurements,
@@ -280,7 +266,7 @@ def test_the_compiled_filter_estimates_and_judges_as_the_reference_does(told, se
 
     filterpy takes readings one after the other, the compiled filter those of a tick at once.
     """
-    ours, peer = (estimator(implementation, seed, linear=linear) for implementation in ("compiled", "filterpy"))
+    ours, peer = estimator(seed, linear=linear), estimator(seed, linear=linear, is_peer=True)
     for tick in recorded(told):
         for one in (ours, peer):
             one.step(tick.number, tick.command, tick.readings)
@@ -301,9 +287,9 @@ def test_the_compiled_filter_estimates_and_judges_as_the_reference_does(told, se
 
 
 @settings(max_examples=30, deadline=None)
-@given(told=ticks, seed=st.integers(0, 2**16), implementation=st.sampled_from(["compiled", "filterpy"]))
-def test_a_record_gives_to_the_bit_what_its_ticks_give_one_by_one(told, seed, implementation):
-    stepped, followed = (estimator(implementation, seed, linear=False) for _ in range(2))
+@given(told=ticks, seed=st.integers(0, 2**16))
+def test_a_record_gives_to_the_bit_what_its_ticks_give_one_by_one(told, seed):
+    stepped, followed = (estimator(seed, linear=False) for _ in range(2))
     innovations = []
     for tick in recorded(told):
         stepped.step(tick.number, tick.command, tick.readings)
@@ -322,10 +308,9 @@ def test_josephs_form_with_the_optimal_gain_is_the_short_form():
     np.testing.assert_allclose(corrected_covariance(P, K, H, variances), P - K @ H @ P, atol=1e-12 * np.max(P))
 
 
-@pytest.mark.parametrize("implementation", ["compiled", "filterpy"])
-def test_an_estimate_that_was_given_is_never_changed(implementation):
+def test_an_estimate_that_was_given_is_never_changed():
     """Whoever keeps an estimate keeps that of its tick, also when a reading of that tick comes late."""
-    kalman, kept = estimator(implementation, 1, linear=False), []
+    kalman, kept = estimator(1, linear=False), []
     for number in range(1, 12):
         late = Measurement("heave", 0.1 * number, max(number - 2, 1))
         kalman.step(number, 0.3, [late])
@@ -335,29 +320,7 @@ def test_an_estimate_that_was_given_is_never_changed(implementation):
         np.testing.assert_array_equal(P, P_then)
 
 
-def test_the_loop_of_the_thesis_is_estimated_by_filterpy_as_by_the_compiled_filter():
-    """B1, the system of thesis 6.3.6: 60 s closed loop; both are given what the gates let through."""
-    loop = ClosedLoop(loop_parameters(load_scenario("b1_thesis", settings=["all.seed=3", "all.duration=60.0"])))
-    estimation, apart, payouts = loop.controller._estimation, [], []
-    with on("filterpy"):
-        peer = loop.controller.design.make_estimator()
-    step = estimation.step
-
-    def both(number, *args, **kwargs):
-        tick = step(number, *args, **kwargs)
-        peer.step(number, tick.compensating, estimation.readings_of(tick.observed))
-        peer.set_process_noise(estimation.estimator._filter_model.Q)
-        apart.append(np.abs(peer.estimate - tick.estimate).max())
-        return tick
-
-    estimation.step = both
-    loop.run(lambda _, outputs: payouts.append(outputs.order.payout))
-    assert np.std(payouts) > 0.05, "the winch moves, once two waves have been seen"
-    assert max(apart) < 1e-6
-
-
-@pytest.mark.parametrize("implementation", ["compiled", "filterpy"])
-def test_a_model_with_other_states_or_measurements_needs_a_new_estimator(implementation):
-    kalman = estimator(implementation, 1, linear=True)
+def test_a_model_with_other_states_or_measurements_needs_a_new_estimator():
+    kalman = estimator(1, linear=True)
     with pytest.raises(ValueError, match="needs a new estimator"):
         kalman.set_model(kalman.model, list(kalman.measurements.values())[1:])

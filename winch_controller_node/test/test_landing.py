@@ -7,12 +7,11 @@ import numpy as np
 import pytest
 from heave_bringup.closed_loop import ClosedLoop, loop_parameters
 from heave_bringup.scenarios import load_scenario
-from heave_core.watch import LandingWatch
 from heave_core.watch_table import Landed
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from winch_controller_node.core.supervision import landing as production
-from winch_controller_node.core.supervision.landing import EVENTS, HangingLoad, LandingEvent, landing_design
+from winch_controller_node.core.supervision.landing import EVENTS, HangingLoad, LandingEvent
 from winch_controller_node.core.supervision.modes import Mode, ModeOutput
 from winch_controller_node.parameters.laws import TensionLawParameters
 
@@ -54,49 +53,6 @@ def sensed(*, tension, depths=(), innovation=math.nan, has_depth=True, filtered=
         sees_landing=has_depth,
         lost=dict.fromkeys(lost, "frozen"),
     )
-
-
-def a_trend(times, values):
-    """Return a function of a window [s] that asks the depth's trend of these readings."""
-    watch = LandingWatch(landing_design(HangingLoad(60e3, 50e3, 1e6), 0.3))
-    for time, value in zip(times, values, strict=True):
-        watch.add_depth(float(time), float(value))
-
-    def ask(window):
-        return watch.trend("depth", window)
-
-    ask.watch = watch
-    return ask
-
-
-def test_a_trend_is_the_least_squares_line_with_its_standard_error():
-    """numpy.polyfit has the same line, and its covariance the same error."""
-    random = np.random.default_rng(1)
-    times = np.arange(0.0, 3.0, 0.1)
-    values = 2.0 + 0.3 * times + 0.02 * random.standard_normal(times.size)
-    trend = a_trend(times, values)
-    within = times > times[-1] - 1.95
-    (slope, _), covariance = np.polyfit(times[within], values[within], 1, cov=True)
-    found = trend(1.95)
-    assert found.slope == pytest.approx(slope)
-    assert found.error == pytest.approx(math.sqrt(covariance[0, 0]))
-    assert found.mean == pytest.approx(np.mean(values[within]))
-
-
-def test_a_trend_says_nothing_before_its_window_is_full():
-    found = a_trend([0.0, 0.1], [1.0, 1.0])(1.0)
-    assert (found.is_known, found.slope) == (0.0, 0.0)
-
-
-def test_of_more_readings_than_are_kept_the_newest_are_and_none_is_older_than_the_one_before():
-    times = 0.01 * np.arange(6000)
-    values = np.sin(times)
-    trend = a_trend(times, values)
-    trend.watch.add_depth(times[-1], 1e9)
-    within = times >= times[-1] - 30.0
-    found = trend(30.0)
-    assert found.slope == pytest.approx(np.polyfit(times[within], values[within], 1)[0], abs=1e-9)
-    assert not trend(50.0).is_known
 
 
 class Lowering:
@@ -226,32 +182,6 @@ FROZEN = tuple(
     f"cable_sim.sensors.depth.faults.{fault}" for fault in ("kind=[freeze]", "duration=[0.0]", "magnitude=[0.0]")
 )
 """A depth sensor that freezes for good."""
-
-
-@pytest.mark.slow
-def test_a_landing_while_the_depth_sensor_is_frozen_is_told_and_known_before_the_cable_is_slack():
-    """Lowered by 0.12 m/s, the wire needs 16 s to unload; it is reported once that tension alone will show it."""
-    settings = [
-        *FROZEN,
-        "cable_sim.sensors.depth.faults.start=[50.0]",
-        "cable_sim.seabed.depth=575.0",
-        "winch_controller.programme.move_times=[40.0]",
-        "winch_controller.programme.move_payouts=[14.0]",
-        "winch_controller.programme.move_speeds=[0.12]",
-        "winch_controller.programme.mode_times=[]",
-        "winch_controller.programme.modes=[]",
-        "wave_vessel.ramp=20.0",
-        "all.duration=120.0",
-    ]
-    record = ClosedLoop(loop_parameters(load_scenario("b7_landing", settings=settings))).run()
-    codes = [alarm.code for _, alarm in record.alarms]
-    force, time = record.column("touchdown_force"), record.column("time")
-    contact = time[np.argmax(force > 0.0)]
-    touchdown = next(known for known, alarm in record.alarms if alarm.code == "TOUCHDOWN")
-    assert contact < touchdown < contact + 16.0
-    assert record.modes[-1] == "constant_tension"
-    assert np.max(record.column("slack_segments")) == 0.0
-    assert codes.count("LOWERING_BLIND") == 1
 
 
 def test_a_unit_lands_once_and_hangs_again_only_when_it_is_lifted():

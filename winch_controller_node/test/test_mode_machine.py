@@ -140,13 +140,6 @@ def test_a_sensor_that_is_lost_every_other_moment_is_lost(lost, good, ends):
     assert any(output.mode is Mode.FADE_OUT for output in reached) is ends
 
 
-def test_a_short_gap_does_not_end_compensation():
-    modes = machine()
-    run(modes, 5.0)
-    run(modes, 1.0, situation(lost="mru stale"))
-    assert run(modes, 0.1)[-1] == type(run(modes, 0.05)[-1])(Mode.COMPENSATING, "", 1.0, False)
-
-
 def test_hiccups_of_a_sensor_do_not_put_compensation_off_for_ever():
     """Four readings of the encoder that are late each second, while the estimate settles for two."""
     modes = machine()
@@ -155,21 +148,6 @@ def test_hiccups_of_a_sensor_do_not_put_compensation_off_for_ever():
         run(modes, 0.8)
         assert run(modes, 0.2, late)[-1].brake == (modes.mode is Mode.STANDBY)
     assert modes.mode is Mode.COMPENSATING
-
-
-def test_the_change_to_another_mode_moves_nothing_yet_and_states_why():
-    modes = machine()
-    change = next(output for output in run(modes, 5.0) if output.before is Mode.STANDBY)
-    assert (change.mode, change.authority, change.reason) == (Mode.COMPENSATING, 0.0, "estimate settled")
-    run(modes, 5.0)
-    modes.request("emergency_stop")
-    assert modes.authority == 0.0
-
-
-def test_a_sensor_that_is_lost_is_the_reason_for_standby():
-    modes = machine()
-    run(modes, 0.2, situation(lost="mru stale"))
-    assert (modes.mode, modes.reason) == (Mode.STANDBY, "mru stale")
 
 
 def test_what_did_not_compensate_does_not_resume_with_a_sensor_and_says_so():
@@ -302,12 +280,6 @@ def test_an_operator_who_asks_for_a_winch_that_stopped_for_a_fault_may_have_it_w
     assert run(modes, 0.1, another)[-1].mode is Mode.STOPPED
 
 
-def test_a_fault_that_was_there_at_the_start_does_not_stop_a_winch_in_standby_and_a_new_one_does():
-    modes = machine()
-    assert run(modes, 0.5, situation(winch_fault=WinchFault.DRIVE))[-1].mode is Mode.STANDBY
-    assert run(modes, 0.1, situation(winch_fault=WinchFault.INVALID_COMMAND))[-1].mode is Mode.STOPPED
-
-
 @pytest.mark.parametrize("is_requested", [False, True], ids=["there at the start", "there when asked for"])
 def test_a_known_fault_that_was_cleared_is_a_new_one_when_it_comes_back(is_requested):
     modes = machine()
@@ -321,41 +293,6 @@ def test_a_known_fault_that_was_cleared_is_a_new_one_when_it_comes_back(is_reque
     assert run(modes, 0.1, fault)[-1].mode is Mode.STOPPED
 
 
-def test_a_fault_that_lasts_after_the_brake_was_released_stops_what_moves():
-    """Commands take time: a fault that was known may be reported for two seconds more."""
-    modes = machine()
-    fault = situation(winch_fault=WinchFault.DRIVE)
-    outputs = run(modes, 8.0, fault)
-    moving = [output.mode is Mode.COMPENSATING for output in outputs]
-    begin = moving.index(True)
-    assert (len(moving) - begin - moving[begin:][::-1].index(True)) * DT == pytest.approx(2.0, abs=2.0 * DT)
-    assert outputs[-1].mode is Mode.STOPPED
-
-
-def test_a_lost_sensor_ends_for_good_what_may_not_resume():
-    modes = machine(resume=False)
-    run(modes, 5.0)
-    run(modes, 4.0, situation(lost="mru frozen"))
-    assert modes.mode is Mode.STOPPED
-    run(modes, 30.0)
-    assert modes.mode is Mode.STOPPED
-    assert not modes.may_resume
-    modes.request("compensating")
-    run(modes, 3.0)
-    assert modes.mode is Mode.COMPENSATING
-
-
-def test_compensation_may_resume_after_all_sensors_were_good_for_the_time_of_the_parameters():
-    modes = machine()
-    run(modes, 5.0)
-    run(modes, 4.0, situation(lost="mru frozen"))
-    assert (modes.mode, modes.may_resume) == (Mode.STOPPED, False)
-    run(modes, PARAMETERS.resume_time - 2.0 * DT)
-    assert not modes.may_resume
-    run(modes, 4.0 * DT)
-    assert modes.may_resume or modes.mode is not Mode.STOPPED
-
-
 def test_constant_tension_is_refused_with_its_reason_and_taken_without_one():
     modes = machine()
     run(modes, 5.0)
@@ -366,49 +303,6 @@ def test_constant_tension_is_refused_with_its_reason_and_taken_without_one():
     run(modes, 0.1)
     modes.request("constant_tension")
     assert modes.mode is Mode.CONSTANT_TENSION
-
-
-def test_compensation_is_refused_from_constant_tension_while_a_sensor_is_lost():
-    modes = machine()
-    run(modes, 5.0)
-    modes.request("constant_tension")
-    run(modes, 0.2, situation(lost="mru stale"))
-    with pytest.raises(ModeError, match="mru stale"):
-        modes.request("compensating")
-    run(modes, 0.1)
-    modes.request("compensating")
-    assert (modes.mode, modes.authority) == (Mode.COMPENSATING, 1.0)
-
-
-def test_a_braked_winch_moves_only_after_the_brake_was_held_for_half_a_second():
-    modes = machine()
-    modes.step(WELL)
-    with pytest.raises(ModeError, match=r"mode manual needs: brake on for 0\.5 s"):
-        modes.request("manual")
-    run(modes, 0.5)
-    modes.request("manual")
-    assert modes.mode is Mode.MANUAL
-
-
-def test_a_unit_that_does_not_settle_is_given_half_a_minute_after_the_fade_out():
-    modes = machine()
-    run(modes, 5.0)
-    modes.request("stopped")
-    swinging = situation(is_settled=False, speed=0.3)
-    run(modes, 2.0 + 29.0, swinging)
-    assert modes.mode is Mode.FADE_OUT
-    run(modes, 1.5, swinging)
-    assert modes.mode is Mode.STOPPING
-    assert run(modes, 19.0, swinging)[-1].mode is Mode.STOPPING, "and 20 s to come to rest"
-    assert run(modes, 1.5, swinging)[-1].mode is Mode.STOPPED
-
-
-def test_a_winch_is_at_rest_below_a_millimetre_a_second():
-    modes = machine()
-    run(modes, 5.0)
-    modes.request("stopped")
-    assert run(modes, 5.0, situation(speed=0.0015))[-1].mode is Mode.STOPPING
-    assert run(modes, 0.1, situation(speed=0.0005))[-1].mode is Mode.STOPPED
 
 
 def test_a_unit_that_is_damped_blind_is_held_at_rest_until_its_sensor_is_back():
@@ -452,27 +346,6 @@ def test_each_change_of_mode_is_told_once_with_the_mode_before():
 def test_a_law_that_does_not_move_the_winch_says_so():
     assert machine(moves_winch=False).reason == "law off"
     assert machine().reason == "estimate settled"
-
-
-def test_a_winch_that_faded_out_blind_goes_on_for_as_long_as_the_boom_tip_is_not_known():
-    """An operator who asks for standby ends it; a fade-out that a lost sensor began does not end by itself."""
-    blind = situation(lost="mru frozen", is_damped_blind=True, is_settled=True)
-    modes = machine()
-    run(modes, 5.0)
-    run(modes, 60.0, blind)
-    assert modes.mode is Mode.FADE_OUT
-    modes.request("standby")
-    run(modes, 5.0, blind)
-    assert modes.mode is not Mode.FADE_OUT
-
-
-def test_a_winch_that_a_person_has_stopped_does_not_begin_again_by_itself():
-    """All sensors are good for longer than the time of the parameters; nothing was lost that could come back."""
-    modes = machine()
-    run(modes, 5.0)
-    modes.request("stopped")
-    run(modes, 10.0 * PARAMETERS.resume_time)
-    assert modes.mode is Mode.STOPPED
 
 
 @pytest.mark.parametrize(("shown", "limit", "begins"), [(0.7, 1.0, 0.7), (0.9, 0.4, 0.4), (0.0, 1.0, 0.0)])

@@ -53,8 +53,9 @@ def test_each_speed_is_told_and_with_what_it_has_moved_when_it_ends():
             if speed is not None:
                 operator.ask(speed)
             time = second + tick * DT
-            operator.advance(MeanPayout(MoveParameters(), tick_period=DT).point, bounds)
+            going = operator.advance(MeanPayout(MoveParameters(), tick_period=DT).point, bounds)
             told += [(time, words) for words in operator.news(payout=2.0 * time)]
+    assert going == 0.0, "a joystick that has fallen silent"
     over = ": the mean payout has moved by "
     assert told[:4] == [
         (0.0, "speed +0.2 m/s"),

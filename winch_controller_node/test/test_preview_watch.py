@@ -106,5 +106,5 @@ def test_the_controller_says_when_it_uses_a_preview_and_when_no_more():
         preview = true_preview(tick) if tick <= TICKS else None
         mru = (MruReading(tick * DT, float(heave(tick * DT)), 0.8 * math.cos(0.8 * tick * DT), sequence=tick),)
         alarms = controller.step(tick, Measurements(mru, preview=preview)).alarms
-        said += [alarm.code for alarm in alarms if alarm.row.part == "preview"]
+        said += [alarm.name for alarm in alarms if alarm.row.part == "preview"]
     assert said == ["PREVIEW_USED", "PREVIEW_REJECTED"]

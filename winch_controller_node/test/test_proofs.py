@@ -304,7 +304,7 @@ def controlled(parameters=None, *, seconds=40.0, scale=1.0, tension=1.0, asks=No
         proven = proofs.step(raw, HANGS)
         alarms += proven.alarms
         proofs.note(WinchOrder(k, 0.0, 0.0, brake=True))
-    return proven, [alarm.code for alarm in alarms]
+    return proven, [alarm.name for alarm in alarms]
 
 
 def test_compensation_may_begin_once_the_mru_is_proved_and_not_before():
@@ -324,9 +324,9 @@ def test_a_reversed_mru_is_refused_whatever_an_operator_consents_to():
 
 def test_without_a_witness_an_operators_consent_is_asked_for():
     assert "MRU UNPROVED" in controlled(tension=None)[0].gate
-    assert controlled(tension=None)[1] == ["MRU_UNPROVED"]
+    assert controlled(tension=None)[1] == ["MRU_UNPROVED: alone"]
     assert controlled(tension=None, asks=20.0)[0].gate == ""
-    assert "MRU SCALE UNPROVED" in controlled(scale=0.3)[0].gate
+    assert "MRU UNPROVED: the load cell shows 3.33 times" in controlled(scale=0.3)[0].gate
     assert controlled(scale=0.3, asks=30.0)[0].gate == ""
     stated = WinchControllerParameters(length=900.0, entry=EntryParameters(accept_unproved=True))
     assert controlled(stated, tension=None, seconds=SHORTEST + 2.0)[0].gate == ""

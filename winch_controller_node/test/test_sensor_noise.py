@@ -102,7 +102,7 @@ def test_a_reading_that_states_an_impossible_accuracy_is_named_once_and_compensa
     named = []
     for _ in range(800):
         outputs, _ = loop.step()
-        named += [alarm for alarm in outputs.alarms if alarm.code == "MRU_ACCURACY_REJECTED"]
+        named += [alarm for alarm in outputs.alarms if alarm.name == "SENSOR_DOUBTFUL, MRU: accuracy"]
         assert np.isfinite([*outputs.report.estimate, outputs.order.payout, outputs.order.payout_rate]).all()
     assert outputs.mode == "compensating"
     (alarm,) = named
@@ -122,7 +122,7 @@ def run_b3(duration, *settings):
 
 def told_quiet(record):
     """Return time and measurement of each alarm that a sensor is quieter than assumed."""
-    return [(time, alarm.values["measurement"]) for time, alarm in record.alarms if alarm.code.endswith("_NOISE_LOW")]
+    return [(time, alarm.values["measurement"]) for time, alarm in record.alarms if alarm.name.startswith("NOISE_LOW")]
 
 
 def test_sensors_that_are_believed_five_times_noisier_than_they_are_are_told_once_and_compensation_goes_on():
@@ -135,7 +135,7 @@ def test_sensors_that_are_believed_five_times_noisier_than_they_are_are_told_onc
     assert all(60.0 <= time <= 120.0 for time, _ in told)
     assert record.modes[-1] == "compensating"
     (alarm,) = [alarm for _, alarm in record.alarms if alarm.values.get("measurement") == "MRU heave"]
-    assert (alarm.code, alarm.values["sigma"]) == ("MRU_NOISE_LOW", 0.05)
+    assert (alarm.name, alarm.values["sigma"]) == ("NOISE_LOW, MRU", 0.05)
     assert 0.0 < float(alarm.values["seen"]) < 0.05
 
 
@@ -146,10 +146,14 @@ def test_sensors_as_believed_are_not_told_also_in_a_sea_far_lower_than_believed(
 def test_noise_of_the_depth_that_has_become_known_is_not_told_as_jumps():
     """Ten times the assumed noise: before it is known, within 3 s, a reading or two look like jumps."""
     record = run_b3(60.0, "all.seed=104", "cable_sim.sensors.depth.noise=0.2")
-    jumps = [time for time, alarm in record.alarms if alarm.code in ("DEPTH_JUMP", "DEPTH_SCALE_JUMP")]
+    jumps = [
+        time
+        for time, alarm in record.alarms
+        if alarm.name in ("SENSOR_DOUBTFUL, DEPTH: jump", "SENSOR_LOST, DEPTH: scale jump")
+    ]
     assert len(jumps) <= 2
     assert all(time < 5.0 for time in jumps)
-    assert [alarm.code for _, alarm in record.alarms].count("DEPTH_NOISE_HIGH") == 1
+    assert [alarm.name for _, alarm in record.alarms].count("SENSOR_DOUBTFUL, DEPTH: noise") == 1
 
 
 def test_a_depth_sensor_of_fifteen_times_the_believed_noise_is_no_reason_to_give_compensation_up():

@@ -18,7 +18,7 @@ def told(loop, seconds, share, *, authority=1.0, factor=1.0, compensates=True):
         loop.enter(Mode.COMPENSATING if compensates else Mode.MANUAL, authority=authority)
         modes.set_factor(factor)
         found += [one for one in loop.step(winch={"share": share}).alarms if one.code in CODES]
-    return [(alarm.code, alarm.values["percent"]) for alarm in found]
+    return [(alarm.name, alarm.values["percent"]) for alarm in found]
 
 
 def test_what_was_told_is_taken_back_once_when_all_is_compensated():

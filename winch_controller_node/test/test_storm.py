@@ -28,7 +28,7 @@ def test_the_shipped_storm_has_a_highest_tension_that_bounds_what_compensation_d
     assert loop.controller.design.limits.maximum_tension == pytest.approx(2.0 * static)
     assert static == pytest.approx(98.6e3, rel=0.01)
     record = loop.run()
-    told = [alarm for _, alarm in record.alarms if alarm.code == "TENSION_HIGH"]
+    told = [alarm for _, alarm in record.alarms if alarm.name == "TENSION_HIGH"]
     assert told
     assert all(alarm.values["limit"] == 1.5 for alarm in told)
     highest, without = (np.max(record.column(name, after=60.0)) for name in ("top_tension", "uncompensated_tension"))
@@ -81,5 +81,5 @@ def test_the_lull_behind_the_highest_wave_of_a_storm_is_not_taken_for_a_loop_tha
     It was faded out there, and the unit swung twice as far as one that was never compensated.
     """
     record = ClosedLoop(loop_parameters(load_scenario("b5_storm", settings=["all.seed=7", "all.duration=70"]))).run()
-    assert not {alarm.code for _, alarm in record.alarms} & HARMFUL
+    assert not {alarm.name for _, alarm in record.alarms} & HARMFUL
     assert record.modes[-1] == "compensating"

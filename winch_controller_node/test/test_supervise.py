@@ -80,7 +80,7 @@ def test_lowering_without_a_depth_sensor_is_reported_once():
     loop, codes = Supervised(), []
     for tick in range(round(30.0 / DT)):
         decision = loop.step(mean_payout=0.1 * tick * DT, sees_landing=0, tension=1e5, filtered_tension=1e5)
-        codes += [alarm.code for alarm in decision.alarms]
+        codes += [alarm.name for alarm in decision.alarms]
     assert codes.count("LOWERING_BLIND") == 1
 
 

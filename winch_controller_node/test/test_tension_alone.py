@@ -54,7 +54,7 @@ def test_a_landed_unit_without_mru_has_less_than_half_of_the_tension_swing_of_a_
     loop.controller.step = braked
     held = loop.run()
     assert set(alone.modes[round(LOST / DT) :]) == {"constant_tension"}
-    assert "WINCH_SATURATED" not in {alarm.code for _, alarm in alone.alarms}
+    assert "WINCH_SATURATED" not in {alarm.name for _, alarm in alone.alarms}
     assert np.std(tension_in_the_gap(alone)) < 0.5 * np.std(tension_in_the_gap(held))
 
 

@@ -36,13 +36,6 @@ def test_of_an_unknown_cause_nothing_is_said():
     assert after_good_ticks(0.0, 0).words(Lateness()) == ""
 
 
-def test_a_silence_of_long_ago_is_no_cause():
-    cause = after_good_ticks(silent=17)
-    for _ in range(80):
-        cause.update(has_state=True, untaken=0.0)
-    assert cause.words(Lateness()) == ""
-
-
 def test_nothing_is_the_cause_before_the_first_tick():
     assert TimeoutCause(DT).words(Lateness()) == ""
 

@@ -47,27 +47,6 @@ def errors(design, winch, seconds=20.0, *, assumed=None, says=None, slips_at=Non
     return np.array(found), watch
 
 
-def test_a_winch_that_does_what_is_foreseen_has_no_error(design):
-    found, _ = errors(design, WinchParameters())
-    assert np.max(found) < 2e-3
-
-
-@pytest.mark.parametrize(
-    "winch",
-    [
-        {"speed_gain": 0.7},
-        {"speed_limit": 0.4},
-        {"acceleration_limit": 0.3, "stop_deceleration": 0.3},
-        {"time_constant": 0.6},
-    ],
-    ids=str,
-)
-def test_a_weaker_winch_is_noticed_within_three_seconds(design, winch):
-    """A drum of 0.4 m/s that is sent 0.8 m/s is 4 cm off after 0.1 s of that."""
-    found, _ = errors(design, WinchParameters(**winch))
-    assert np.argmax(found > 0.04) * DT < 3.0 + 2.0 * np.pi / 0.7 / 4.0
-
-
 def test_a_winch_that_is_believed_as_it_is_has_no_error(design):
     found, _ = errors(design, WinchParameters(speed_gain=0.7), assumed={"winch.speed_gain": 0.7})
     assert np.max(found) < 3e-3
@@ -120,13 +99,13 @@ def test_commands_that_are_taken_in_time_are_no_news_and_ones_that_are_not_inhib
     link = Link(design)
     link.run(100)
     link.last_taken = link.tick - link.late
-    found = [report.inhibition.code for report in link.run(40) if report.inhibition]
+    found = [report.inhibition.name for report in link.run(40) if report.inhibition]
     assert set(found) == {"COMMANDS_CUT"}
     slow = Link(design)
     slow.run(100)
     slow.late = 4 + round((PARAMETERS.lag.largest + 0.5) / DT)
     reports = slow.run(400)
-    assert reports[-1].inhibition.code == "COMMANDS_TOO_LATE"
+    assert reports[-1].inhibition.name == "COMMANDS_TOO_LATE"
     assert reports[-1].inhibition.values["delay"] == pytest.approx(PARAMETERS.lag.largest + 0.5, abs=2.0 * DT)
 
 

@@ -24,24 +24,26 @@ def test_each_quantity_that_differs_has_one_alarm_with_its_owner_and_its_value(n
     assert name == "mru.bias_drift" or any(value in str(alarm) for value in ("1.25", "1.250", "1.2", "1"))
 
 
-@pytest.mark.parametrize("name", [name for name, one in QUANTITIES.items() if one.code])
+@pytest.mark.parametrize("name", [name for name, one in QUANTITIES.items() if one.alarm])
 def test_each_quantity_that_is_nominal_again_has_an_alarm(name):
     owner = QUANTITIES[name].owner
     (alarm,) = alarms_of([Finding("nominal", name, 1.0, "", 1.2)])
-    assert (alarm.code, alarm.row.part) == (f"{owner.upper()}_NOMINAL", owner)
+    assert (alarm.name, alarm.row.part) == (f"NOMINAL, {owner.upper()}", owner)
 
 
 @pytest.mark.parametrize("sensor", SENSORS)
-@pytest.mark.parametrize("code", ["excluded", "recovered"])
-def test_a_sensor_that_is_excluded_or_used_again_is_named(code, sensor):
+@pytest.mark.parametrize(
+    ("code", "name"), [("excluded", "SENSOR_LOST, {}: excluded"), ("recovered", "SENSOR_RECOVERED, {}")]
+)
+def test_a_sensor_that_is_excluded_or_used_again_is_named(code, name, sensor):
     (alarm,) = alarms_of([Finding(code, sensor)])
-    assert alarm.code == f"{sensor}_{code}".upper()
+    assert alarm.name == name.format(sensor.upper())
 
 
 @pytest.mark.parametrize("owner", ["winch", "cable", "mru"])
 def test_what_was_found_and_cannot_be_designed_for_is_named(owner):
     (alarm,) = alarms_of([Finding("refused", owner)])
-    assert alarm.code == f"{owner.upper()}_NOT_DESIGNABLE"
+    assert alarm.name == f"NOT_DESIGNABLE, {owner.upper()}"
 
 
 def test_all_that_is_new_of_the_winch_is_one_alarm_and_so_is_that_of_the_sea():
@@ -58,4 +60,4 @@ def test_nothing_new_says_nothing():
 
 
 def test_every_quantity_has_words_or_an_alarm_of_its_own():
-    assert [name for name, one in QUANTITIES.items() if bool(one.label) != bool(one.code)] == REPORTED
+    assert [name for name, one in QUANTITIES.items() if bool(one.label) != bool(one.alarm)] == REPORTED

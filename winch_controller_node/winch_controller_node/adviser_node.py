@@ -113,7 +113,7 @@ class WinchAdviserNode(ParticipantNode):
         """Say how many answers were given, and whether more will come."""
         answered = {"answers": str(self.beliefs.published)}
         if self._fault:
-            return [alarm_health("answers", ALARMS.alarm("ADVISER_ENDED", fault=self._fault), answered)]
+            return [alarm_health("answers", ALARMS.alarm("ADVISER_LOST: ended", fault=self._fault), answered)]
         return [Health("answers", Level.OK, f"{self.beliefs.published} answers", answered)]
 
     def on_exit(self) -> None:

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from heave_node import kpi
 
-from heave_bags.analyse import kpi_set, kpi_table
+from heave_bags.analyse import kpi_set
 from heave_bags.analyse.kpis.definition import QUANTITIES
 from heave_bags.analyse.read_run import read_run
 from heave_bags.analyse.reading.stored import NodeParameters
@@ -174,7 +174,7 @@ def to_json(record: RunRecord, window: float | None = None) -> dict[str, Any]:
 def table(records: Sequence[RunRecord]) -> str:
     """Return the KPIs of the runs `records` side by side as text, and below them what a reader of them must know."""
     sources = {record.name: record.sources for record in records}
-    lines = [kpi_table.table({record.name: as_seen(record) for record in records}, sources)]
+    lines = [kpi_set.table({record.name: as_seen(record) for record in records}, sources)]
     for record in records:
         lines += [f"{record.name}: {text}" for text in record.remarks()]
     return "\n".join(lines)
@@ -182,27 +182,7 @@ def table(records: Sequence[RunRecord]) -> str:
 
 def as_seen(record: RunRecord) -> dict[str, float]:
     """Return the KPIs of the run `record` as people see them."""
-    return kpi_table.as_seen(record.kpis(), record.run.get("pacing", ""))
-
-
-def window_table(record: RunRecord, length: float) -> str:
-    """Return the main KPIs of each window of the run `record`, of `length` [s], as text.
-
-    One line per window, and what time is in none of them.
-    """
-    parts = windows(record, length)
-    definitions = [one for one in kpi_table.shown([part.values for part in parts]) if one.heading]
-    headings = [f"{definition.heading} {definition.unit}" for definition in definitions]
-    rows = [("from s", "to s", *headings)]
-    for part in parts:
-        cells = [definition.text(part.values[definition.key]) for definition in definitions]
-        rows.append((f"{part.start:.2f}", f"{part.end:.2f}", *cells))
-    widths = [max(len(row[column]) for row in rows) for column in range(len(rows[0]))]
-    lines = ["  ".join(f"{cell:>{width}}" for cell, width in zip(row, widths, strict=True)) for row in rows]
-    left_out = record.end - (parts[-1].end if parts else _start_of_run(record))
-    if left_out > 1e-6:
-        lines.append(f"not covered: the last {left_out:.2f} s, shorter than a window of {length:g} s")
-    return "\n".join([record.name, *lines])
+    return kpi_set.as_seen(record.kpis(), record.run.get("pacing", ""))
 
 
 def kpi_frame(records: Sequence[RunRecord], window: float | None = None) -> pandas.DataFrame:

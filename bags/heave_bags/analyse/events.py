@@ -101,15 +101,10 @@ def waits(state: Fields) -> list[Interval]:
 
 
 def take_modes(signals: RunSignals, time: Array, modes: NDArray[Any]) -> None:
-    """Fill in the `signals` of a run when its controller worked, held a tension and changed its mode.
+    """Fill in the `signals` of a run when its controller worked, held a tension and changed its mode, by its `modes`,
+    names, at each `time` [s].
 
     Nothing is filled in under law off, which has one mode alone.
-
-    Parameters
-    ----------
-    signals : to fill in
-    time : of the modes [s]
-    modes : names, as many
     """
     if modes.size < 2 or np.all(modes == OFF):
         return
@@ -119,12 +114,8 @@ def take_modes(signals: RunSignals, time: Array, modes: NDArray[Any]) -> None:
 
 
 def is_loss(before: str, mode: str, reason: str) -> bool:
-    """Return whether compensation was lost by a change of mode: it ended, and nobody had asked for that.
-
-    Parameters
-    ----------
-    before, mode : of the controller before and after the change
-    reason : of the change, as the controller says it
+    """Return whether compensation was lost by a change from the mode `before` to `mode`: it ended, and nobody had asked
+    for that by the `reason` that the controller gave.
     """
     return before in COMPENSATES and mode not in COMPENSATES and not reason.endswith(REQUESTED)
 
@@ -172,14 +163,10 @@ def sensor_alarms(state: Fields) -> list[Interval]:
 
 
 def diagnostic_alarms(diagnostics: Fields, *, has_modes: bool = False) -> list[Interval]:
-    """Return the warnings and errors of /diagnostics, each from when it was raised on.
+    """Return the warnings and errors of /diagnostics, by its columns, each from when it was raised on.
 
-    One whose figures alone change, as of a countdown, is one.
-
-    Parameters
-    ----------
-    diagnostics : columns of the topic
-    has_modes : the modes of the controller are known to the tick, and are not reported again here
+    One whose figures alone change, as of a countdown, is one. The modes of the controller are not reported where
+    `has_modes`: they are known to the tick.
     """
     alarms: dict[tuple[str, int], tuple[str, list[float]]] = {}
     found: list[Interval] = []
@@ -212,12 +199,8 @@ def _level(text: str, level: int) -> int:
 
 
 def _since(lasting: Interval, raised: Sequence[tuple[str, float]]) -> Interval:
-    """Return an alarm that lasts from when it was raised on, which diagnostics report up to a second later.
-
-    Parameters
-    ----------
-    lasting : as reported
-    raised : code and time [s] of each alarm that was raised
+    """Return an alarm, `lasting` as diagnostics report it up to a second later, from when it was `raised` on: code and
+    time [s] of each.
     """
     codes = {alarm.code for alarm in alarms_in(lasting.name)}
     earliest = lasting.start - REPEATED
@@ -240,12 +223,10 @@ def operator_requests(diagnostics: Fields) -> list[Interval]:
 
 
 def identified_limits(alarms: Sequence[Interval], quantity: str) -> list[tuple[float, float]]:
-    """Return from when [s] on the controller has used which limit of the winch that it had learnt.
+    """Return from when [s] on the controller has used which limit of the winch that it had learnt, by the `alarms` of a
+    run that report it.
 
-    Parameters
-    ----------
-    alarms : of the run, in which it is reported
-    quantity : speed [m/s] or acceleration [m/s^2]
+    The `quantity` is speed [m/s] or acceleration [m/s^2].
     """
     found = []
     for alarm in sorted(alarms, key=lambda one: one.start):

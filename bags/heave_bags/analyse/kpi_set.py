@@ -7,8 +7,9 @@ formulas are those of `heave_node.kpi`.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sized
+from collections.abc import Callable, Mapping, Sequence, Sized
 from dataclasses import replace
+from types import MappingProxyType
 
 import numpy as np
 from heave_node import kpi
@@ -16,10 +17,41 @@ from heave_node.interface.codes import WinchLimit
 from heave_node.loads.cycles import DAMAGE_EXPONENT
 from heave_node.loads.strength import ATTACHMENT, ROPE, WINCH_PULL
 from heave_node.numerics.arrays import Array
+from heave_node.run_parameters import LOCKSTEP
 
 from heave_bags.analyse.kpis.definition import NOT_KNOWN, SHOWN, KpiDefinition, largest, least
 from heave_bags.analyse.kpis.window import AFTER_CHANGE, Window
 from heave_bags.signals import RunSignals, Signal
+
+SOURCES = ("estimated", "measured", "true")
+"""Sources of a motion, the least certain first."""
+UNIT_HEAVE, FREE_HEAVE, TIP_HEAVE = "load heave", "load heave, winch locked", "boom-tip heave"
+TOP_TENSION, PAYOUT, BASELINE = "top tension", "payout", "baseline"
+_OF_TENSION = (
+    *("tension_min_n", "tension_mean_n", "tension_max_n", "tension_sigma_n", "tension_ratio_min"),
+    *("dynamic_amplification", "snaps", "top_tension_mean_n", "top_tension_amplitude_n"),
+    *("tension_cycles_per_h", "tension_range_equivalent_n", ROPE, WINCH_PULL),
+)
+MOTIONS_OF: Mapping[str, tuple[str, ...]] = {
+    **dict.fromkeys(("unit_sigma_m", "significant_residual_m", "max_abs_heave_m", "heave_p999_m"), (UNIT_HEAVE,)),
+    **dict.fromkeys(("uncompensated_sigma_m", "uncompensated_max_abs_heave_m"), (FREE_HEAVE,)),
+    **dict.fromkeys(("outlet_sigma_m", "outlet_efficiency"), (TIP_HEAVE, PAYOUT)),
+    **dict.fromkeys(("boom_tip_sigma_m",), (TIP_HEAVE,)),
+    **dict.fromkeys(("kappa", "unit_heave_amplitude_m"), (UNIT_HEAVE,)),
+    "unit_efficiency": (UNIT_HEAVE, FREE_HEAVE),
+    **dict.fromkeys(("baseline_efficiency", "baseline_outlet_efficiency"), (BASELINE,)),
+    "unit_heave_phase_deg": (UNIT_HEAVE, TIP_HEAVE),
+    **dict.fromkeys(_OF_TENSION, (TOP_TENSION,)),
+    **dict.fromkeys(("winch_speed_max_mps", "winch_acceleration_max_mps2"), (PAYOUT,)),
+}
+"""Motions that figures are made from, by key."""
+
+
+def source_of(key: str, sources: Mapping[str, str]) -> str:
+    """Return what figure `key` is made from, by the `sources` of a run's motions: the least certain; "" for others."""
+    found = [sources[motion] for motion in MOTIONS_OF.get(key, ()) if motion in sources]
+    return next((source for source in SOURCES if source in found), "")
+
 
 UNIT, TENSION, WINCH, ENERGY, WEAR, ESTIMATE, TIMING, LANDING, CHANGES, DRIVEN = GROUPS = (
     "Load",
@@ -44,7 +76,6 @@ def _figure(
     formula: Callable[[Window], float],
     symbols: str = "",
     *,
-    heading: str = "",
     unit: str | None = None,
     scale: float | None = None,
     digits: int | None = None,
@@ -61,7 +92,6 @@ def _figure(
         formula,
         usual[1] if scale is None else scale,
         usual[2] if digits is None else digits,
-        heading=heading,
         is_seldom=is_seldom,
         needs=needs,
         symbols=symbols,
@@ -92,24 +122,22 @@ def _mean(values: Array) -> float:
 
 KPI_DEFINITIONS: tuple[KpiDefinition, ...] = (
     *_of(UNIT,
-        _figure("unit_sigma_m", "load heave, standard deviation", lambda w: w.unit_sigma, "s(z)", heading="s(z)",
+        _figure("unit_sigma_m", "load heave, standard deviation", lambda w: w.unit_sigma, "s(z)",
                 needs=HEAVE),
         _figure("uncompensated_sigma_m", "load heave with the winch locked, standard deviation",
-                lambda w: kpi.sigma(w.uncompensated_heave), "s(z_off)", heading="s(z_off)"),
-        _figure("unit_efficiency", "efficiency at the load", lambda w: w.unit_efficiency, "1 - s(z)/s(z_off)",
-                heading="load eff."),
+                lambda w: kpi.sigma(w.uncompensated_heave), "s(z_off)"),
+        _figure("unit_efficiency", "efficiency at the load", lambda w: w.unit_efficiency, "1 - s(z)/s(z_off)"),
         _figure("worst_minute", f"worst {kpi.WORSE_WINDOW:g} s, load heave over that with the winch locked",
                 lambda w: w.worst_minute, "largest s(z)/s(z_off)", needs=f"{kpi.WORSE_WINDOW:g} s after the transient"),
         _figure("baseline_efficiency", "efficiency at the load, industrial controller",
-                lambda w: w.of_baseline("unit_efficiency"), "law industrial", heading="baseline"),
+                lambda w: w.of_baseline("unit_efficiency"), "law industrial"),
         _figure("outlet_efficiency", "efficiency of the rope at the boom tip",
-                lambda w: w.outlet_efficiency, "1 - s(z0-p)/s(z0)", heading="tip eff."),
+                lambda w: w.outlet_efficiency, "1 - s(z0-p)/s(z0)"),
         _figure("baseline_outlet_efficiency", "efficiency of the rope at the boom tip, industrial controller",
                 lambda w: w.of_baseline("outlet_efficiency"), "law industrial"),
         _figure("significant_residual_m", "significant residual", lambda w: kpi.significant(w.unit_sigma), "4 s(z)",
                 needs=HEAVE),
-        _figure("max_abs_heave_m", "largest load heave about its mean", lambda w: kpi.max_abs(w.heave),
-                heading="max |z|", needs=HEAVE),
+        _figure("max_abs_heave_m", "largest load heave about its mean", lambda w: kpi.max_abs(w.heave), needs=HEAVE),
         _figure("uncompensated_max_abs_heave_m", "largest load heave about its mean, winch locked",
                 lambda w: kpi.max_abs(w.uncompensated_heave)),
         _figure("heave_p999_m", "99.9th percentile of load heave", lambda w: kpi.percentile_abs(w.heave, 99.9)),
@@ -120,9 +148,9 @@ KPI_DEFINITIONS: tuple[KpiDefinition, ...] = (
                 lambda w: kpi.kappa(w.unit_sigma, w.run.sensor_bound, w.run.actuator_bound), "s(z) / bound", digits=2),
     ),
     *_of(TENSION,
-        _figure("tension_min_n", "top tension, smallest", lambda w: least(w.tension.value), heading="T min"),
+        _figure("tension_min_n", "top tension, smallest", lambda w: least(w.tension.value)),
         _figure("tension_mean_n", "top tension, mean", lambda w: _mean(w.tension.value)),
-        _figure("tension_max_n", "top tension, largest", lambda w: largest(w.peak_tension.value), heading="T max"),
+        _figure("tension_max_n", "top tension, largest", lambda w: largest(w.peak_tension.value)),
         _figure("tension_sigma_n", "top tension, standard deviation", lambda w: kpi.sigma(w.tension.value), digits=2),
         _figure("rope_safety_factor", "safety factor of the rope", lambda w: w.factors.get(ROPE, NOT_KNOWN),
                 "breaking force / Tmax", needs="the rope's breaking force"),
@@ -149,8 +177,7 @@ KPI_DEFINITIONS: tuple[KpiDefinition, ...] = (
                lambda w: w.snaps(w.of(w.run.uncompensated_tension), w.of(w.run.uncompensated_peak_tension()))),
     ),
     *_of(WINCH,
-        _figure("winch_speed_max_mps", "winch speed, largest", lambda w: largest(np.abs(w.rate.value)),
-                heading="max |v|"),
+        _figure("winch_speed_max_mps", "winch speed, largest", lambda w: largest(np.abs(w.rate.value))),
         _figure("winch_acceleration_max_mps2", "winch acceleration, largest",
                 lambda w: largest(np.abs(w.acceleration)), needs="the acceleration of the drum"),
         _figure("time_at_speed_limit_percent", "time at the speed limit", lambda w: kpi.percent_true(w.at_speed_limit)),
@@ -161,8 +188,7 @@ KPI_DEFINITIONS: tuple[KpiDefinition, ...] = (
         _time_at(WinchLimit.TORQUE, "time_at_torque_limit_percent", "at the torque limit"),
         _time_at(WinchLimit.PRESSURE, "time_at_pressure_limit_percent", "at the pressure limit"),
         _time_at(WinchLimit.FLOW, "time_at_flow_limit_percent", "at the flow limit"),
-        _figure("time_at_limit_percent", "time at any winch limit", lambda w: kpi.percent_true(w.at_any_limit),
-                heading="at limit"),
+        _figure("time_at_limit_percent", "time at any winch limit", lambda w: kpi.percent_true(w.at_any_limit)),
         _figure("compensating_percent", "time with compensation active",
                 lambda w: w.compensating_percent, digits=1),
         _figure("time_above_half_rating_percent", "time above half of rated speed or power", lambda w: w.loaded_percent,
@@ -262,3 +288,71 @@ def to_json(values: Mapping[str, float]) -> dict[str, float | int | None]:
         key: None if not math.isfinite(value) else int(value) if DEFINITION_OF[key].is_count else float(value)
         for key, value in values.items()
     }
+
+
+OF_WALL_TIME = ("loop_age_p50_s", "loop_age_p99_s", "loop_age_max_s", "missed_deadlines")
+"""Figures of how a run keeps up with the wall clock."""
+COUNT_OF_EVENTS = {LANDING: "landings", CHANGES: "mode_changes"}
+"""Figures that count the events of a group; people see the group only where there are any."""
+
+
+def shown(columns: Sequence[Mapping[str, float]]) -> list[KpiDefinition]:
+    """Return the figures that people see of the KPIs of one or several runs, `columns`, in order.
+
+    Left out is what no run has a value of, what counts events that there were none of, and what is seldom, where it
+    is 0 in all runs.
+    """
+
+    def has_events(group: str) -> bool:
+        count = COUNT_OF_EVENTS.get(group)
+        return count is None or any(column.get(count, 0.0) > 0.0 for column in columns)
+
+    def is_reported(definition: KpiDefinition, column: Mapping[str, float]) -> bool:
+        value = column.get(definition.key, math.nan)
+        return math.isfinite(value) and not (definition.is_seldom and value == 0.0)
+
+    return [
+        definition
+        for definition in KPI_DEFINITIONS
+        if has_events(definition.group) and any(is_reported(definition, column) for column in columns)
+    ]
+
+
+def as_seen(values: Mapping[str, float], pacing: str) -> dict[str, float]:
+    """Return the `values` of a run by key as people see them: where its `pacing` is lockstep, without those of wall
+    time, which has no effect there.
+    """
+    left_out = OF_WALL_TIME if pacing == LOCKSTEP else ()
+    return {key: math.nan if key in left_out else value for key, value in values.items()}
+
+
+def table(
+    columns: Mapping[str, Mapping[str, float]],
+    sources: Mapping[str, Mapping[str, str]] = MappingProxyType({}),
+    *,
+    keys: Sequence[str] | None = None,
+    notes: Mapping[str, str] = MappingProxyType({}),
+) -> str:
+    """Return KPIs as a text table; rows without any value are left out.
+
+    Parameters
+    ----------
+    columns : KPIs of one or several runs, by name
+    sources : where the motions of each run come from; a figure that is not made from the truth says so
+    keys : of the figures in the table, in order; None: of all
+    notes : on figures, by key
+    """
+    rows = [("", "", *columns)]
+    for definition in shown(list(columns.values())) if keys is None else [DEFINITION_OF[key] for key in keys]:
+        cells = [definition.text(values.get(definition.key, math.nan)) for values in columns.values()]
+        marks = {source_of(definition.key, of_run) for of_run in sources.values()} - {"", SOURCES[-1]}
+        beside = [definition.unit, ", ".join(sorted(marks)), notes.get(definition.key, "")]
+        rows.append((definition.title, "  ".join(text for text in beside if text), *cells))
+    widths = [max(len(row[column]) for row in rows) for column in range(len(rows[0]))]
+    lines = [
+        f"{row[0]:<{widths[0]}}  "
+        + "  ".join(f"{c:>{w}}" for c, w in zip(row[2:], widths[2:], strict=True))
+        + f"  {row[1]}"
+        for row in rows
+    ]
+    return "\n".join(line.rstrip() for line in lines)

@@ -10,7 +10,7 @@ from heave_node.criteria import Criterion
 
 from heave_bags.analyse import events, kpi_set
 from heave_bags.analyse.events import Interval
-from heave_bags.analyse.kpis.sources import (
+from heave_bags.analyse.kpi_set import (
     FREE_HEAVE,
     SOURCES,
     TIP_HEAVE,
@@ -33,11 +33,8 @@ SEA = "wave_vessel"
 
 
 def replaced_nodes(entries: Iterable[str]) -> dict[str, str]:
-    """Return what took part in the place of which node: BAG, or "" for another program.
-
-    Parameters
-    ----------
-    entries : NODE=bag or NODE each, as the metadata of a bag have them
+    """Return what took part in the place of which node, BAG or "" for another program, by `entries` NODE=bag or NODE of
+    a bag's metadata.
     """
     parts = (entry.partition("=") for entry in entries)
     return {node: kind for node, _, kind in parts}

@@ -30,12 +30,8 @@ OF_CONTROLLER = f"{topics.CONTROLLER_STATE.publisher}: "
 
 
 def warnings(record: RunRecord, values: Mapping[str, float]) -> list[str]:
-    """Return which parts of the run `record` are too weak, where its winch did harm, and where another law did better.
-
-    Parameters
-    ----------
-    record : of the run
-    values : its figures of merit
+    """Return which parts of the run `record` are too weak, where its winch did harm, and by its figures of merit,
+    `values`, where another law did better.
     """
     weak = [str(check) for check in record.signals.load_checks() if check.is_failed]
     if not record.moves_winch:
@@ -124,12 +120,8 @@ def worse_than_off(record: RunRecord) -> list[str]:
 
 
 def why_not_in_force(record: RunRecord, values: Mapping[str, float]) -> list[str]:
-    """Return in words why compensation was seldom active, or never, where nobody had asked for that.
-
-    Parameters
-    ----------
-    record : of the run
-    values : its figures of merit
+    """Return in words why compensation was seldom active in the run `record`, or never, by its figures of merit,
+    `values`, where nobody had asked for that.
     """
     waits = [wait for wait in record.waits if wait.reason not in RESTS_REQUESTED and time_within(record, wait) > 0.0]
     last = record.modes[-1] if record.modes else None
@@ -145,7 +137,7 @@ def why_not_in_force(record: RunRecord, values: Mapping[str, float]) -> list[str
     alarms = [one.name for one in record.alarms if one.level == ERROR and one.name.startswith(OF_CONTROLLER)]
     # an alarm whose consequence changes is reported again: its code says enough here
     codes = dict.fromkeys(code for name in alarms for code in [one.code for one in alarms_in(name)] or [name])
-    raised = f". Alarms: {', '.join(list(codes)[:MOST_LISTED])}" if codes else ""
+    raised = f". Alarms: {'; '.join(list(codes)[:MOST_LISTED])}" if codes else ""
     return [f"Compensation {how}. Reasons: {'; '.join(_reasons(record, waits))}{raised}"]
 
 

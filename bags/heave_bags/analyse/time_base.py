@@ -20,7 +20,7 @@ from heave_bags.analyse.read_run import ROOM, ROOM_PER_BYTE
 from heave_bags.analyse.run_record import RunRecord
 from heave_bags.errors import BagError
 from heave_bags.mcap.read.decode import LOG_TIME, TIME
-from heave_bags.mcap.reader import Bag, Progress, no_progress
+from heave_bags.mcap.reader import LONGEST_ARRAY, Bag, Progress, no_progress
 
 if TYPE_CHECKING:
     import pandas
@@ -29,8 +29,6 @@ LONGEST_GAP = 5.0
 """Periods of a signal without a sample after which its value is not known."""
 MOST_CELLS = 50_000_000
 """Cells of a table: what a bag brings has a bound."""
-LONGEST_ARRAY = 16
-"""Arrays and texts of more elements (covariances, long cables) are not in the table."""
 SHORTEST_PERIOD = 1e-4
 """Shortest period of a time base [s]."""
 
@@ -132,13 +130,8 @@ def _steps(modes: Sequence[Interval]) -> Samples:
 
 
 def topic_samples(bag: Bag, topics: Sequence[str], progress: Progress = no_progress) -> dict[str, Samples]:
-    """Return every number and short text of `topics` of a bag by `topic.field`.
-
-    Parameters
-    ----------
-    bag : to read
-    topics : names, full or their ends
-    progress : called with the share of the bag that is read
+    """Return every number and short text of `topics`, full names or their ends, of a `bag` by `topic.field`; `progress`
+    is given the share that is read.
 
     Raises BagError for a topic that is not there, and for more bytes than an analysis takes.
     """

@@ -257,12 +257,8 @@ def judge_loads(loads: Sequence[LoadCheck]) -> Verdict:
 
 
 def share_in_force(record: RunRecord, values: Mapping[str, float]) -> float:
-    """Return the share of the time in which compensation was active, of that in which nobody wanted it to rest.
-
-    Parameters
-    ----------
-    record : of the run
-    values : its figures of merit
+    """Return the share of the time in which compensation was active, of that in which nobody wanted it to rest, of the
+    run `record` with its figures of merit, `values`.
     """
     rested = sum(time_within(record, mode) for mode in record.modes if mode.reason in RESTS_REQUESTED)
     span = record.end - record.start

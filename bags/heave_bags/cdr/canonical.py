@@ -9,7 +9,7 @@ from __future__ import annotations
 from heave_node.cdr.layout import Layout, LayoutError
 from heave_node.cdr.patterns import Patterns, picker
 
-from heave_bags.cdr.layouts import layouts_in_bag
+from heave_bags.cdr.columns import layouts_in_bag
 
 
 class _Cleaner:
@@ -32,12 +32,8 @@ class _Cleaner:
 
 
 class Canonical:
-    """Makes equal messages of one type equal bytes; what does not fit the definition is left as it is.
-
-    Parameters
-    ----------
-    name : of the type, `package/msg/Type`
-    text : its definition, `ros2msg`
+    """Makes equal messages of the type `name` equal bytes; what does not fit its definition, the `ros2msg` `text`, is
+    left as it is.
 
     Raises BagError for a definition that cannot be.
     """

@@ -7,15 +7,34 @@ worked out once for each pattern of lengths, and the values of all messages of t
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from typing import Any
 
 import numpy as np
-from heave_node.cdr.layout import Layout, LayoutError, Leaf
+from heave_node.cdr.layout import Layout, LayoutError, Leaf, MessageLayouts
 from numpy.typing import NDArray
 
-from heave_bags.cdr.layouts import as_bag_error, layouts_in_bag
 from heave_bags.errors import BagError
+
+
+@contextmanager
+def as_bag_error() -> Iterator[None]:
+    """Turn a LayoutError into a BagError."""
+    try:
+        yield
+    except LayoutError as error:
+        raise BagError(str(error)) from error
+
+
+def layouts_in_bag(name: str, text: str) -> MessageLayouts:
+    """Return the layouts of the type `name` by its `ros2msg` schema `text`.
+
+    Raises BagError for a schema that cannot be.
+    """
+    with as_bag_error():
+        return MessageLayouts(name, text)
+
 
 _MOST_KEPT = 1 << 18
 """Values and lengths kept in the layouts of one type."""

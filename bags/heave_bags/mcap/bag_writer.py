@@ -151,16 +151,11 @@ class BagWriter:
         self._has_new_topics = False
 
     def add_topic(self, name: str, message_type: str, qos: Sequence[OfferedQos] = ()) -> str:
-        """Make a topic known, by the definition installed here.
+        """Make the topic `name` known, by the definition of its `message_type` that is installed here, with the `qos`
+        that its publishers offer.
 
         Its messages are written without what middleware leaves in their padding. Returns "" or one line that says why
         its bag cannot be decoded elsewhere.
-
-        Parameters
-        ----------
-        name : of the topic
-        message_type : `package/msg/Type`
-        qos : offered by its publishers
         """
         if name in self._topics:
             return ""
@@ -182,14 +177,8 @@ class BagWriter:
         self._topics.setdefault(summary.name, _Topic(own, schema))
 
     def write(self, topic: str, log_time: int, data: bytes, *, publish_time: int | None = None) -> None:
-        """Write one serialised message.
-
-        Parameters
-        ----------
-        topic : made known before
-        log_time : [ns]
-        data : the message
-        publish_time : [ns]; None: the log time
+        """Write one serialised message, `data`, of a `topic` that is known, at its `log_time` and `publish_time` [ns];
+        None: the same.
         """
         try:
             known = self._topics[topic]
@@ -278,13 +267,10 @@ class BagWriter:
         return BagSummary(files, topics, {**self._run, **mark, **lost}, self._ros_distro)
 
     def note_loss(self, reason: str, messages: int, start: int, end: int | None = None) -> None:
-        """Note that messages which belong into the bag are not in it: `metadata.yaml` says so, after `close` too.
+        """Note for what `reason` so many `messages` that belong into the bag are not in it: `metadata.yaml` says so,
+        after `close` too.
 
-        Parameters
-        ----------
-        reason : why
-        messages : how many
-        start, end : log times between which they lie [ns]; None: one time
+        They lie between the log times `start` and `end` [ns]; None: at one time.
         """
         self._lack.loss = RecordedLoss(reason, messages, start, start if end is None else end).joined(self._lack.loss)
         if self._lack.saved is not None:

@@ -101,7 +101,7 @@ def _yaml(content: Mapping[str, Any]) -> str:
 def parse_information(text: str) -> dict[str, Any]:
     """Return what the `text` of a `metadata.yaml` or of the record inside a file says of a bag.
 
-    Empty where it says nothing sensible. Files of earlier versions of this project have METADATA_ROOT inside, too.
+    Empty where it says nothing sensible.
     """
     try:
         content = parse_yaml(text)

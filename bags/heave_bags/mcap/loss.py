@@ -69,14 +69,10 @@ class LossAccount:
     def add(
         self, position: int, reason: str, messages: int | None, start: int | None = None, end: int | None = None
     ) -> None:
-        """Note a loss.
+        """Note a loss at a `position` in the file [bytes], for a `reason` in words, of `messages`; None until their
+        number is known.
 
-        Parameters
-        ----------
-        position : in the file [bytes]
-        reason : in words
-        messages : lost; None until their number is known
-        start, end : of the time in which they lie, where it is known [ns]
+        The time in which they lie is from `start` to `end` [ns], where it is known.
         """
         self._losses.append(Loss(self._path, position, reason, start, end, messages))
         self.is_open = self.is_open or messages != 0
@@ -101,12 +97,8 @@ class LossAccount:
         self._losses[-1] = replace(self._losses[-1], messages=messages)
 
     def settle(self, total: int | None, *, is_cut: bool) -> list[Loss]:
-        """Return the losses of the pass.
-
-        Parameters
-        ----------
-        total : messages that the file lacks; None where that is not known
-        is_cut : the file does not end as it should
+        """Return the losses of the pass, of a file that lacks `total` messages, where that is known, and that `is_cut`:
+        it does not end as it should.
         """
         if is_cut and self.is_open:
             behind = [replace(loss, end=None) if loss.messages != 0 else loss for loss in self._losses[self._settled :]]

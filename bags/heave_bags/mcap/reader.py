@@ -1,6 +1,6 @@
 """Read a bag: messages in order, columns, pandas frames. Streaming, without ROS, whatever state the bag is in.
 
-Sound files are read by `rosbags`. What is not sound is repaired first, in a temporary folder, then read.
+The first pass over the messages reads all of a bag, and shows what is lost and in which order its messages are.
 
 >>> bag = Bag("runs/b2_calm_300")                           # doctest: +SKIP
 >>> bag.frame("unit/odometry")["pose.pose.position.z"].std()  # doctest: +SKIP
@@ -10,15 +10,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Collection, Iterator, Mapping
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
-from itertools import pairwise
+from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from mcap.records import Attachment, Channel, Schema
 from numpy.typing import NDArray
-from rosbags.rosbag2 import Reader, ReaderError
 
 from heave_bags.cdr.columns import Columns
 from heave_bags.errors import BagError
@@ -37,10 +36,9 @@ from heave_bags.mcap.files import (
 from heave_bags.mcap.loss import MISSING_FILE, Loss, recorded_loss
 from heave_bags.mcap.read.decode import LOG_TIME, TIME, BagTopic, ColumnReader, MessageDecoder, definition
 from heave_bags.mcap.read.folder import bag_of, find_files
+from heave_bags.mcap.read.order import NOT_IN_ORDER, ClockWatch, Progress, SortedMessages, no_progress
 from heave_bags.mcap.read.other_storage import copied, source_of
-from heave_bags.mcap.read.recovery import Progress, Recovered, no_progress, recover
-from heave_bags.mcap.read.scan import FileContents, RawMessage
-from heave_bags.mcap.read.sound import is_sound
+from heave_bags.mcap.read.scan import FileContents, McapScan, RawMessage
 from heave_bags.mcap.read.survey import Survey, copies, in_order_of_files, match_listed, survey_file
 from heave_bags.mcap.ros.qos import UNREADABLE, from_yaml
 
@@ -48,8 +46,20 @@ if TYPE_CHECKING:
     import pandas
 
 _PROGRESS_EVERY = 1000
+LONGEST_ARRAY = 16
+"""Elements of an array that has columns of its own in a table without being asked for."""
 
 __all__ = ["LOG_TIME", "TIME", "Bag", "BagTopic", "Progress", "RawMessage", "no_progress", "summary_of"]
+
+
+@dataclass
+class _Checked:
+    """What a pass over all files of a bag has shown."""
+
+    losses: list[Loss] = field(default_factory=list)  # what could not be read
+    spans: dict[Path, dict[int, tuple[int, int]]] = field(default_factory=dict)  # log times of each chunk, by file [ns]
+    order: str = ""  # what a reader must know of the order; "" for messages in order
+    sorted: SortedMessages | None = None  # all messages, where they are in no order
 
 
 class Bag:
@@ -79,7 +89,7 @@ class Bag:
         stated = recorded_loss(self._described)
         self._not_recorded = [] if stated is None else [stated.to_loss(self.path)]
         self._topics: dict[str, BagTopic] | None = None
-        self._readable: Recovered | None = None
+        self._checked: _Checked | None = None
 
     @cached_property
     def stated(self) -> Mapping[str, Any]:
@@ -211,29 +221,49 @@ class Bag:
         matched, missing = match_listed(self._surveys, [part for part in listed if part.name not in named])
         return matched, missing if self.path.is_dir() else []
 
-    def sound_files(self, progress: Progress = no_progress) -> list[Path]:
-        """Return sound files that hold its messages, in order: its own, or those of a copy that lives as long as it.
+    def _check(self, progress: Progress) -> _Checked:
+        """Return what a pass over all files has shown; note what could not be read, and what a reader must know."""
+        if self._checked is None:
+            self._checked = self._read_through(progress)
+        self.losses = [*self._unread(), *self._checked.losses, *self._not_recorded]
+        order = self._checked.order
+        self.notes = [*self._found.notes, *([f"{self.path.name}: {order}"] if order else [])]
+        return self._checked
 
-        `progress` is called with the share of a repair that is done. `losses` then holds what could not be read, and
-        `notes` what else a reader must know.
-        """
-        if self._readable is None:
-            self._readable = self._made_readable(progress)
-        self.losses = [*self._unread(), *self._readable.losses, *self._not_recorded]
-        self.notes = [*self._found.notes, *(f"{self.path.name}: {note}" for note in (self._readable.note,) if note)]
-        return self._readable.files
+    def _read_through(self, progress: Progress) -> _Checked:
+        watch, total, before = ClockWatch(), max(self.size, 1), 0
+        is_own = all(survey.contents.is_own for survey in self._surveys)  # the order is then that of its recorder
+        checked = _Checked()
+        for scan in self._scans():
+            for block in scan.blocks():
+                if not is_own:
+                    watch.observe(block)
+                progress(min((before + scan.position) / total, 1.0))
+            checked.losses += scan.contents.losses
+            checked.spans[scan.path] = scan.spans
+            before += scan.path.stat().st_size
+        checked.order = watch.note
+        if checked.order == NOT_IN_ORDER:
+            checked.sorted = SortedMessages(self.path, (block for scan in self._scans() for block in scan.blocks()))
+        return checked
 
-    def _made_readable(self, progress: Progress) -> Recovered:
-        surveys = self._surveys
-        spans = [survey.span for survey in surveys if survey.span is not None]
-        is_own = all(survey.contents.is_own for survey in surveys)
-        is_ascending = all(before[1] <= after[0] for before, after in pairwise(spans))
-        if (is_own or is_ascending) and all(is_sound(survey.path) for survey in surveys):
-            return Recovered([survey.path for survey in surveys])
+    def _scans(self, start: int = 0, end: int = LATEST_TIME) -> Iterator[McapScan]:
+        """Yield a scan of each file, in order, without the chunks known to hold nothing from `start` to `end` [ns]."""
         matched, _ = self._listing
         is_agreed = bool(file_counts(self._described))
-        expected = {path: part.messages for path, part in matched.items() if part.messages is not None and is_agreed}
-        return recover(surveys, expected, self.topics, progress)
+        numbering: dict[str, int] | None = {} if self._surveys[0].is_first else None
+        for survey, previous in zip(self._surveys, (None, *self._surveys), strict=False):
+            if previous is not None and survey.follows_gap(previous):
+                numbering = None
+            spans = self._checked.spans[survey.path] if self._checked else {}
+            outside = {position for position, (first, last) in spans.items() if last < start or first > end}
+            listed = matched.get(survey.path)
+            expected = listed.messages if listed and is_agreed else None
+            scan = McapScan(survey.path, expected=expected, numbering=numbering, passed_over=outside)
+            if outside:  # the definitions may lie in what is passed over
+                scan.contents.schemas |= survey.contents.schemas
+                scan.contents.channels |= survey.contents.channels
+            yield scan
 
     def _unread(self) -> list[Loss]:
         """Return the files that are not there, or hold nothing."""
@@ -275,34 +305,22 @@ class Bag:
         end: int = LATEST_TIME,
         progress: Progress = no_progress,
     ) -> Iterator[RawMessage]:
-        """Yield messages in the order of their log times; in that of its files where the clock of a run was reset.
+        """Yield messages of `topics`, full names or their ends, None: all, with log times from `start` to `end` [ns],
+        in order.
 
-        Parameters
-        ----------
-        topics : names, full or their ends; all if None
-        start, end : log times [ns]
-        progress : called with the share of the bag that is read
-
-        After the pass, `losses` holds what could not be read, and `notes` what else a reader must know.
+        That is the order of their log times; that of its files where the clock of a run was reset. `progress` is called
+        with the share of the bag that is read. After the pass, `losses` holds what could not be read, and `notes` what
+        else a reader must know.
         """
         wanted = None if topics is None else {self.resolve(topic) for topic in topics}
-        files = self.sound_files(lambda share: progress(0.5 * share))
+        checked = self._check(lambda share: progress(0.5 * share))
         first, length = self.start_time, max(self.end_time - self.start_time, 1)
-        spans = {survey.path: survey.span for survey in self._surveys if survey.span is not None}
-        for path in files:
-            earliest, latest = spans.get(path, (start, end))
-            if earliest > end or latest < start:
-                continue
-            try:
-                with Reader(path) as reader:
-                    connections = [one for one in reader.connections if wanted is None or one.topic in wanted]
-                    found = reader.messages(connections, start, end + 1) if connections else ()
-                    for count, (connection, log_time, data) in enumerate(found):
-                        if not count % _PROGRESS_EVERY:
-                            progress(min(max(0.5 + 0.5 * (log_time - first) / length, 0.5), 1.0))
-                        yield RawMessage(connection.topic, log_time, data)
-            except (ReaderError, OSError) as error:  # a disk that fails, or a file that has changed since
-                raise BagError(f"{path}: cannot be read: {error}") from error
+        blocks = (block for scan in self._scans(start, end) for block in scan.blocks())
+        for count, message in enumerate(checked.sorted or chain.from_iterable(blocks)):
+            if not count % _PROGRESS_EVERY:
+                progress(min(max(0.5 + 0.5 * (message.log_time - first) / length, 0.5), 1.0))
+            if start <= message.log_time <= end and (wanted is None or message.topic in wanted):
+                yield message
         progress(1.0)
 
     def decoded(self, topics: Collection[str] | None = None, **selection: Any) -> Iterator[tuple[RawMessage, Any]]:
@@ -385,30 +403,22 @@ class Bag:
         """Bytes of its files."""
         return sum(path.stat().st_size for path in self._found.files)
 
-    def frame(
-        self,
-        topic: str,
-        fields: Collection[str] | None = None,
-        *,
-        max_array: int = 16,
-        start: int = 0,
-        end: int = LATEST_TIME,
-    ) -> pandas.DataFrame:
+    def frame(self, topic: str, fields: Collection[str] | None = None) -> pandas.DataFrame:
         """Return one `topic` as a pandas DataFrame with index `time` [s], the stamp of the header where there is one.
 
         A device outside the simulation stamps by its own clock: compare two of them by the column `log_time` [ns].
-        Array fields become columns `name[0]`, `name[1]` ...; those of more than `max_array` elements (covariances,
-        long cables) are left out unless named in `fields`. Log times from `start` to `end` [ns].
+        Array fields become columns `name[0]`, `name[1]` ...; those of more than LONGEST_ARRAY elements (covariances,
+        long cables) are left out unless named in `fields`.
         """
         import pandas  # noqa: PLC0415 - half a second to import, for those who want frames only
 
-        columns = self.columns({topic: fields}, start=start, end=end)[topic]
+        columns = self.columns({topic: fields})[topic]
         time = columns.pop(TIME)
         flat: dict[str, NDArray[Any]] = {}
         for name, values in columns.items():
             if values.ndim == 1:
                 flat[name] = values
-            elif fields is not None or values.shape[1] <= max_array:
+            elif fields is not None or values.shape[1] <= LONGEST_ARRAY:
                 flat |= {f"{name}[{index}]": values[:, index] for index in range(values.shape[1])}
         return pandas.DataFrame(flat, index=pandas.Index(time, name=TIME))
 

@@ -22,7 +22,6 @@ from mcap.records import (
     Attachment,
     AttachmentIndex,
     Channel,
-    ChunkIndex,
     McapRecord,
     Metadata,
     MetadataIndex,
@@ -31,7 +30,7 @@ from mcap.records import (
 )
 
 from heave_bags.errors import BagError
-from heave_bags.mcap.bounds import LARGEST_RECORD, open_unpacked
+from heave_bags.mcap.bounds import LARGEST_RECORD
 
 HEAD = struct.Struct("<BQ")
 MESSAGE_HEAD = struct.Struct("<HIQQ")
@@ -57,7 +56,6 @@ _READERS: dict[int, Callable[[ReadDataStream], McapRecord]] = {
     Opcode.METADATA: Metadata.read,
     Opcode.ATTACHMENT: Attachment.read,
     Opcode.STATISTICS: Statistics.read,
-    Opcode.CHUNK_INDEX: ChunkIndex.read,
     Opcode.ATTACHMENT_INDEX: AttachmentIndex.read,
     Opcode.METADATA_INDEX: MetadataIndex.read,
 }
@@ -105,7 +103,7 @@ class Record(NamedTuple):
 
 
 class RecordFile:
-    """The MCAP file `path` to be read by position, also where it is compressed; to be used as a context.
+    """The MCAP file `path` to be read by position; to be used as a context.
 
     Raises BagError if it cannot be opened.
     """
@@ -113,7 +111,7 @@ class RecordFile:
     def __init__(self, path: Path) -> None:
         self.path = path
         try:
-            self._file = open_unpacked(path)
+            self._file = os.open(path, os.O_RDONLY)
             self.size = os.fstat(self._file).st_size
         except OSError as error:
             raise BagError(f"{path}: cannot be read: {error.strerror}") from error

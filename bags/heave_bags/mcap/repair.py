@@ -8,21 +8,10 @@ import shlex
 from dataclasses import dataclass
 from pathlib import Path
 
-from mcap.reader import make_reader
-
 from heave_bags.errors import BagError
 from heave_bags.mcap.bag_writer import Attachment, BagWriter
-from heave_bags.mcap.bounds import is_packed
-from heave_bags.mcap.files import (
-    METADATA_KEY,
-    METADATA_RECORD,
-    METADATA_ROOT,
-    OUTCOME_RECORD,
-    RUN_RECORD,
-    write_metadata,
-)
+from heave_bags.mcap.files import METADATA_RECORD, OUTCOME_RECORD, RUN_RECORD, write_metadata
 from heave_bags.mcap.loss import Loss
-from heave_bags.mcap.read.scan import McapScan
 from heave_bags.mcap.reader import Bag, Progress, no_progress, summary_of
 
 
@@ -53,11 +42,9 @@ def repair(source: str | Path, output: str | Path, *, progress: Progress = no_pr
     for topic in bag.topics.values():
         writer.add_foreign_topic(topic, topic.schema)
     count = 0
-    for path in bag.sound_files(progress):
-        with path.open("rb") as stream:
-            for _, channel, message in make_reader(stream).iter_messages():
-                writer.write(channel.topic, message.log_time, message.data, publish_time=message.publish_time)
-                count += 1
+    for message in bag.messages(progress=progress):
+        writer.write(message.topic, message.log_time, message.data, publish_time=message.publish_time)
+        count += 1
     lost = "; ".join(str(loss) for loss in bag.losses)
     writer.close({**bag.outcome, "repaired_from": str(bag.path.name), **({"lost": lost} if lost else {})})
     return Repaired(Path(output), count, tuple(bag.losses), tuple(bag.notes))
@@ -66,17 +53,14 @@ def repair(source: str | Path, output: str | Path, *, progress: Progress = no_pr
 def reindex(folder: str | Path) -> Bag:
     """Write `metadata.yaml` of a bag again from its files; return the bag, whose `losses` name files that hold nothing.
 
-    Raises BagError if `folder` is not a bag folder, or if a file in it is damaged, compressed or of an earlier version
-    of this project: `ros2 bag` could not open it, the repaired one can be opened.
+    Raises BagError if `folder` is not a bag folder, or if a file in it is damaged: `ros2 bag` could not open it, the
+    repaired one can be opened.
     """
     bag = Bag(folder)
     if not bag.path.is_dir():
         raise BagError(f"{bag.path}: only a bag folder has a metadata.yaml")
     summary = summary_of(bag)
     damage = [str(loss) for loss in bag.losses if loss.file in bag.files]
-    damage += [f"{path.name} is compressed" for path in bag.files if _is_compressed(path)]
-    if any(name == METADATA_RECORD and METADATA_ROOT in values.get(METADATA_KEY, "") for name, values in bag.metadata):
-        damage.append(f"{bag.path}: ros2 bag cannot play a bag written by an earlier version")
     if damage:
         command = f"heave repair {shlex.quote(str(bag.path))} --output {shlex.quote(f'{bag.path}_repaired')}"
         raise BagError(f"{damage[0]}; repair the bag instead: {command}")
@@ -84,10 +68,3 @@ def reindex(folder: str | Path) -> Bag:
         summary.custom_data = {**summary.custom_data, "lost": "; ".join(str(loss) for loss in bag.losses)}
     write_metadata(bag.path, summary)
     return bag
-
-
-def _is_compressed(path: Path) -> bool:
-    """Return whether a file is compressed as a whole, or its messages one by one."""
-    scan = McapScan(path)
-    next(scan.blocks(), None)
-    return is_packed(path) or scan.contents.is_packed

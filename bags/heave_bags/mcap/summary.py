@@ -1,4 +1,4 @@
-"""The summary at the end of an MCAP file: definitions, counts, and where chunks, attachments and metadata are."""
+"""The summary at the end of an MCAP file: definitions, counts, and where attachments and metadata are."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import struct
 import zlib
 
 from mcap.opcode import Opcode
-from mcap.records import AttachmentIndex, Channel, ChunkIndex, MetadataIndex, Schema, Statistics
+from mcap.records import AttachmentIndex, Channel, MetadataIndex, Schema, Statistics
 from mcap.summary import Summary
 
 from heave_bags.mcap.bounds import LARGEST_SUMMARY
@@ -40,12 +40,6 @@ def interim_ending() -> bytes:
     return _DATA_END_HEAD + bytes(4) + footer + MAGIC
 
 
-def stated_start(file: RecordFile) -> int | None:
-    """Return where the footer of a file that ends properly says its summary begins, 0 for none; None for no footer."""
-    opcode, length, start, _, _ = _FOOTER.unpack(file.read(file.size - _ENDING, _FOOTER.size))
-    return int(start) if opcode == Opcode.FOOTER and length == _FOOTER_LENGTH else None
-
-
 def read_summary(file: RecordFile) -> Summary | None:
     """Return the summary of a file; None if it has none, or one whose checksum is wrong.
 
@@ -53,9 +47,10 @@ def read_summary(file: RecordFile) -> Summary | None:
     """
     if not ends_properly(file):
         return None
-    start = stated_start(file)
-    found = _read_from(file, start) if start else None
-    if found is not None or start == 0:
+    opcode, length, start, _, _ = _FOOTER.unpack(file.read(file.size - _ENDING, _FOOTER.size))
+    has_footer = opcode == Opcode.FOOTER and length == _FOOTER_LENGTH
+    found = _read_from(file, start) if has_footer and start else None
+    if found is not None or (has_footer and start == 0):
         return found
     tail_start = max(0, file.size - LARGEST_SUMMARY)
     behind_data = file.read(tail_start, LARGEST_SUMMARY).rfind(_DATA_END_HEAD)
@@ -92,8 +87,6 @@ def _take(summary: Summary, record: object) -> None:
         summary.channels[record.id] = record
     elif isinstance(record, Statistics):
         summary.statistics = record
-    elif isinstance(record, ChunkIndex):
-        summary.chunk_indexes.append(record)
     elif isinstance(record, AttachmentIndex):
         summary.attachment_indexes.append(record)
     elif isinstance(record, MetadataIndex):

@@ -163,14 +163,9 @@ class McapWriter:
         return channel.id
 
     def write(self, channel: int, log_time: int, data: bytes, *, publish_time: int, sequence: int = 0) -> None:
-        """Add a message to a channel.
+        """Add a message, `data`, to a `channel`, by its id, at its `log_time` and `publish_time` [ns].
 
-        Parameters
-        ----------
-        channel : its id
-        log_time, publish_time : [ns]
-        data : the message
-        sequence : number that its publisher gave it; 0 where there is none
+        Its `sequence` is the number that its publisher gave it; 0 where there is none.
         """
         chunk, length = self._chunk, len(data)
         if chunk.index:

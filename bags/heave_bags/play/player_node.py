@@ -157,17 +157,10 @@ def play(
     progress: Callable[[float], None] | None = None,
     args: list[str] | None = None,
 ) -> Played:
-    """Play the bag `path` to its end, or until the context is shut down; return what was played.
+    """Play the bag `path` by its `options` to its end, or until the context is shut down; return what was played.
 
-    Parameters
-    ----------
-    path : of the bag
-    options : what is played, and how
-    delay : for discovery, before the first message [s]
-    progress : called a few times a second with the bag time reached [s]
-    args : of ROS; None: those of this process
-
-    Raises BagError for what cannot be played.
+    The first message comes after a `delay` for discovery [s]. `progress` is called a few times a second with the bag
+    time reached [s]; `args` are those of ROS, None: of this process. Raises BagError for what cannot be played.
     """
     bag = Bag(path)
     prepare_environment()

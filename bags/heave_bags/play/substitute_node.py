@@ -35,8 +35,6 @@ class SubstituteParameters:
     """Which bag is played in place of which node."""
 
     bag: str = parameter("", description="The bag.")
-    bag_start: float = parameter(0.0, "s", 0.0, 1e9,
-        "Bag time that becomes time 0 of the run, in whole ticks; stamps are shifted with it.")  # fmt: skip
 
 
 class Substitute(HeaveNode):
@@ -48,7 +46,7 @@ class Substitute(HeaveNode):
         """Open the bag and make the outputs of the node."""
         bag = Bag(self.parameters.bag)
         try:
-            self.player = player_for(bag, self.name, self.run, self.parameters.bag_start)
+            self.player = player_for(bag, self.name, self.run)
         except BagError as error:
             raise NodeError(str(error)) from error
         self.played: dict[str, Output] = {}

@@ -7,19 +7,17 @@ and the arrival only how much later than its stamp a reading is delivered.
 
 from __future__ import annotations
 
-import struct
 from collections.abc import Callable, Mapping
 
 import numpy as np
 from diagnostic_msgs.msg import DiagnosticArray
 from heave_node.cdr.unpacker import header_stamp
 from heave_node.interface import topics
-from heave_node.interface.topic import Role
 from heave_node.numerics.arrays import Array
 from heave_node.run_parameters import RunParameters
 from rclpy.serialization import deserialize_message
 
-from heave_bags.cdr.layouts import layouts_in_bag
+from heave_bags.cdr.columns import layouts_in_bag
 from heave_bags.errors import BagError
 from heave_bags.mcap.reader import Bag, RawMessage
 from heave_bags.play.playback import in_order_of, publisher_of
@@ -38,10 +36,6 @@ UNDELAYED = (
 )
 """Topics that are published in every tick without delay: by their arrival that of others is judged."""
 
-_LATCHED = frozenset(topic.name for topic in topics.ALL_TOPICS if topic.role is Role.LATCHED)
-"""Topics whose last message holds until the next one: one from before the start of the run is played with it."""
-
-_STAMP = struct.Struct("<iI")
 _STAMP_END = 12
 _SECOND = 1_000_000_000
 
@@ -58,7 +52,6 @@ class TickPlayer:
     ----------
     bag, node : whose messages
     period : length of a tick [ns]
-    shift : bag time of the run's time 0 [ns]
 
     Attributes
     ----------
@@ -69,7 +62,7 @@ class TickPlayer:
     Raises BagError if the bag has nothing of the node, was recorded with another tick, or holds several runs.
     """
 
-    def __init__(self, bag: Bag, node: str, period: int, shift: int = 0) -> None:
+    def __init__(self, bag: Bag, node: str, period: int) -> None:
         published = [name for name in bag.topics if node in publisher_of(bag, name)]
         self.namespace = _namespace_of(bag, published)
         self.topics = [name for name in published if self.name_in_run(name) != topics.CLOCK.name]
@@ -78,7 +71,6 @@ class TickPlayer:
         self._bag = bag
         self._node = node
         self._period = period
-        self._shift = shift
         self._check_tick()
         shared = (f"{self.namespace}/{topics.DIAGNOSTICS.name}",)
         self._wanted = [*self.topics, *(name for name in shared if name in bag.topics and name not in self.topics)]
@@ -89,7 +81,7 @@ class TickPlayer:
         else:
             arrivals = _Arrivals(bag, self.topics, self._stamped, period)
             self._tick_of, last = arrivals.tick_of, arrivals.last_tick
-        self.last_tick = last - shift // period
+        self.last_tick = last
         self.restart()
 
     def name_in_run(self, topic: str) -> str:
@@ -107,20 +99,11 @@ class TickPlayer:
                 f"{self._bag.path}: it was recorded with a tick of {recorded} s, but that "
                 f"of the run is {self._period * 1e-9:g} s"
             )
-        if self._shift % self._period:
-            raise BagError(
-                f"bag_start {self._shift * 1e-9:g} s is not a whole number of ticks of {self._period * 1e-9:g} s"
-            )
 
     def restart(self) -> None:
         """Begin again at tick 1."""
-        first = self._shift // self._period
         own = filter(self._is_own, self._bag.messages(self._wanted))
-        ticks = ((self._tick_of(message) - first, message) for message in own)
-        played = (
-            (tick, message) for tick, message in ticks if tick >= 0 or self.name_in_run(message.topic) in _LATCHED
-        )
-        self._messages = in_order_of(played)
+        self._messages = in_order_of((self._tick_of(message), message) for message in own)
         self._next = next(self._messages, None)
 
     def take(self, tick: int) -> list[tuple[str, bytes]]:
@@ -133,7 +116,7 @@ class TickPlayer:
         while self._next is not None and self._next[0] <= tick:
             (_, message), self._next = self._next, next(self._messages, None)
             if message.topic not in self._stamped or has_stamp(message):
-                found.append((message.topic, self._moved(message)))
+                found.append((message.topic, message.data))
         return found
 
     def _is_own(self, message: RawMessage) -> bool:
@@ -143,20 +126,13 @@ class TickPlayer:
         array: DiagnosticArray = deserialize_message(message.data, DiagnosticArray)
         return bool(array.status) and array.status[0].hardware_id == self._node
 
-    def _moved(self, message: RawMessage) -> bytes:
-        """Return a message with its stamp moved to the time of the run."""
-        if not self._shift or message.topic not in self._stamped:
-            return message.data
-        seconds, nanoseconds = divmod(header_stamp(message.data) - self._shift, _SECOND)
-        return message.data[:4] + _STAMP.pack(seconds, nanoseconds) + message.data[_STAMP_END:]
 
-
-def player_for(bag: Bag, node: str, run: RunParameters, start: float = 0.0) -> TickPlayer:
-    """Return the player of what a `node` published in the `bag`, from `start` [s] on, for the whole of a `run`.
+def player_for(bag: Bag, node: str, run: RunParameters) -> TickPlayer:
+    """Return the player of what a `node` published in the `bag`, for the whole of a `run`.
 
     Raises BagError where TickPlayer does, and for a bag that ends before the run.
     """
-    player = TickPlayer(bag, node, run.tick_nanoseconds, round(start * 1e9))
+    player = TickPlayer(bag, node, run.tick_nanoseconds)
     if player.last_tick < run.tick_count:
         available = player.last_tick * run.tick_period
         raise BagError(

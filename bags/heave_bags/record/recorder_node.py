@@ -323,7 +323,7 @@ class RecorderNode(ParticipantNode):
     def _write_complete(self, tick: Tick) -> None:
         assert self._order is not None
         before = max(tick.start_nanoseconds - tick.period_nanoseconds, tick.period_nanoseconds)
-        self._order.write(self.session, self._take, tick_start=tick.start_nanoseconds, tick_before=before)
+        self._order.write(self.session.write, self._take, tick_start=tick.start_nanoseconds, tick_before=before)
         self._last_log_time = tick.start_nanoseconds
         for topic, data in self._foreign:
             self.session.write(topic, self._last_log_time, data)
@@ -376,7 +376,7 @@ class RecorderNode(ParticipantNode):
         if session is None:
             return
         if self._order is not None and self.run.is_lockstep:
-            self._order.write_rest(session, self._take_everything, tick_start=self._last_log_time)
+            self._order.write_rest(session.write, self._take_everything, tick_start=self._last_log_time)
         problems = [*session.state.problems]
         missing = self._missing(self._expected) if session.is_recording else {}
         lost = missing_words(missing, self._expected)

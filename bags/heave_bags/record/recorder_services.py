@@ -14,18 +14,13 @@ from rclpy.serialization import deserialize_message
 from std_srvs.srv import Trigger
 
 from heave_bags.errors import BagError
-from heave_bags.record.alarms import ALARMS
-from heave_bags.record.session import RecordingSession
+from heave_bags.record.session import ALARMS, RecordingSession
 from heave_bags.record.topic_watch import TopicWatch
 
 
 def recording_health(session: RecordingSession, watch: TopicWatch, problems: Sequence[str]) -> Health:
-    """Return what is recorded and what cannot be.
-
-    Parameters
-    ----------
-    session, watch : of the recorder
-    problems : what went wrong, each in a line
+    """Return what the `session` and `watch` of a recorder record and cannot record, and its other `problems`, each in a
+    line.
     """
     values = {"written": str(session.state.written), "not_written": str(session.state.unwritten)}
     for code, found in (("RECORDING_FAILED", problems), ("TOPIC_UNREADABLE", watch.unreadable.values())):
@@ -44,12 +39,8 @@ def next_free(folder: Path) -> Path:
 
 
 class RecorderServices:
-    """Offers a session's controls as services under the node's name.
-
-    Parameters
-    ----------
-    node, session : who offers them, and what they control
-    directory : folder of the bag where a request names none
+    """Offers the controls of a `session` as services under the name of its `node`; bags go into a `directory` where a
+    request names none.
     """
 
     def __init__(self, node: Node, session: RecordingSession, directory: Path) -> None:

@@ -1,7 +1,7 @@
 """Messages of ticks in an order that depends on the run alone: what makes two bags of one seed the same, byte for
 byte.
 
-Pure: raw messages go in, a writer gets them. A message carries the start of the tick in which it was published as log
+Pure: raw messages go in and go on in order. A message carries the start of the tick in which it was published as log
 time and publish time. Within a tick the clock master's topics come first, then those of the others, each by name and,
 within a topic, as published.
 """
@@ -9,17 +9,11 @@ within a topic, as published.
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping, Sequence
-from typing import Protocol
 
 from heave_node.cdr.unpacker import header_stamp
 
-
-class MessageWriter(Protocol):
-    """What takes messages: a BagWriter or a RecordingSession."""
-
-    def write(self, topic: str, log_time: int, data: bytes, /) -> None:
-        """Take a message `data` of `topic` at its `log_time` [ns]."""
-        ...
+Write = Callable[[str, int, bytes], object]
+"""What takes a message: topic, log time [ns] and data."""
 
 
 class TickOrder:
@@ -52,20 +46,18 @@ class TickOrder:
         self._of_others = sorted(topic for topic in publishers if topic not in self._of_master)
         self._held: dict[str, list[bytes]] = {topic: [] for topic in self._by_stamp}
 
-    def write(
-        self, writer: MessageWriter, take: Callable[[str], Sequence[bytes]], *, tick_start: int, tick_before: int
-    ) -> None:
-        """Write to `writer` what has become complete by the tick that starts at `tick_start` [ns].
+    def write(self, write: Write, take: Callable[[str], Sequence[bytes]], *, tick_start: int, tick_before: int) -> None:
+        """`write` what has become complete by the tick that starts at `tick_start` [ns].
 
         `tick_before` is the start of the one before it [ns]; `take` hands over the messages of a topic.
         """
         for topic in self._of_others:
             messages = take(topic)
             for data in self._settled(topic, messages, tick_start) if topic in self._held else messages:
-                writer.write(topic, tick_before, data)
+                write(topic, tick_before, data)
         for topic in self._of_master:
             for data in take(topic):
-                writer.write(topic, tick_start, data)
+                write(topic, tick_start, data)
 
     def _settled(self, topic: str, arrived: Sequence[bytes], tick_start: int) -> list[bytes]:
         """Return the messages of a topic that were stamped before `tick_start`, in the order of stamps and bytes.
@@ -78,13 +70,13 @@ class TickOrder:
             (data for data in held if header_stamp(data) < tick_start), key=lambda data: (header_stamp(data), data)
         )
 
-    def write_rest(self, writer: MessageWriter, take: Callable[[str], Sequence[bytes]], *, tick_start: int) -> None:
-        """Write to `writer` what is left when a run ends, complete or not; `take` and `tick_start` as in `write`."""
+    def write_rest(self, write: Write, take: Callable[[str], Sequence[bytes]], *, tick_start: int) -> None:
+        """`write` what is left when a run ends, complete or not; `take` and `tick_start` as in `write`."""
         for topic in self._by_stamp:
             rest = self._held[topic] + [self._canonical(topic, data) for data in take(topic)]
             for data in sorted(rest, key=lambda data: (header_stamp(data), data)):
-                writer.write(topic, tick_start, data)
+                write(topic, tick_start, data)
             self._held[topic] = []
         for topic in sorted({*self._of_master, *self._of_others} - {*self._by_stamp}):
             for data in take(topic):
-                writer.write(topic, tick_start, data)
+                write(topic, tick_start, data)

@@ -9,14 +9,10 @@ from heave_node.ros.spin import with_information
 
 
 class SequenceGaps:
-    """Counts what is missing, by topic, and reports it.
+    """Counts what is missing, by topic, and gives `report` the topic and the number of messages of each gap.
 
     What a publisher sent before its first message was taken does not count: the recorder may have come later. A
     middleware that gives no numbers shows no gaps.
-
-    Parameters
-    ----------
-    report : is given the topic and the number of messages of each gap
     """
 
     def __init__(self, report: Callable[[str, int], None]) -> None:
@@ -36,12 +32,8 @@ class SequenceGaps:
             self._report(topic, number - last - 1)
 
     def noting(self, topic: str, callback: Callable[..., object]) -> Callable[..., None]:
-        """Return the `callback` of a subscription to a `topic`, which takes note of what comes.
-
-        Parameters
-        ----------
-        topic : full name
-        callback : takes a message and its information
+        """Return the `callback` of a subscription to a `topic`, full name, which takes a message and its information,
+        and takes note of what comes.
         """
 
         def take(message: bytes, information: Mapping[str, Any]) -> None:

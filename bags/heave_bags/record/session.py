@@ -10,23 +10,23 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from heave_node.interface.alarm import read_alarms
+
 from heave_bags.errors import BagError, StorageError
 from heave_bags.mcap.bag_writer import DESCRIPTION_PERIOD, BagWriter
 from heave_bags.mcap.files import SNAPSHOT
 from heave_bags.mcap.loss import RecordedLoss
 from heave_bags.mcap.ros.qos import OfferedQos
 
+ALARMS = read_alarms(Path(__file__).with_name("alarms.yaml"))
+"""Alarms of the recorder."""
 STOPPED = "after that nothing was written"
 """Why messages that came after a bag was given up are not in it."""
 
 
 class SnapshotRing:
-    """The last messages of all topics, within a span of time and a size; those of latched topics outlive the span.
-
-    Parameters
-    ----------
-    span : log time that is kept [ns]; 0 keeps nothing
-    limit : bytes that are kept at most
+    """The last messages of all topics, within a `span` of log time [ns], 0 keeps nothing, and a `limit` [bytes]; those
+    of latched topics outlive the span.
     """
 
     def __init__(self, span: int, limit: int) -> None:
@@ -81,13 +81,10 @@ class SessionState:
 
 
 class RecordingSession:
-    """Writes one bag after another.
+    """Writes one bag after another, by the writer that `make_writer` gives for a folder; `ring` is what is kept for
+    snapshots.
 
-    Parameters
-    ----------
-    make_writer : makes the writer of a bag in a folder
-    ring : what is kept for snapshots
-    survive : True: a disk that refuses ends the bag, not the session; False: the StorageError is raised
+    A disk that refuses ends the bag, not the session, where it is to `survive`; else the StorageError is raised.
     """
 
     def __init__(self, make_writer: Callable[[Path], BagWriter], ring: SnapshotRing, *, survive: bool) -> None:

@@ -20,12 +20,8 @@ def is_hidden(topic: str) -> bool:
 
 
 class TopicWatch:
-    """Looks for topics each time `look` is called.
-
-    Parameters
-    ----------
-    node : whose graph is looked at
-    exclude : patterns of topic names that are left alone; hidden topics always are
+    """Looks for topics in the graph of a `node` each time `look` is called, but for hidden ones and those whose names
+    fit patterns to `exclude`.
     """
 
     def __init__(self, node: Node, exclude: Sequence[str]) -> None:

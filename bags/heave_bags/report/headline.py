@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 
 from heave_node.interface.codes import WinchLimit
 
-from heave_bags.analyse import kpi_table
+from heave_bags.analyse import kpi_set
 from heave_bags.analyse.kpis.window import Window
 from heave_bags.analyse.reading.stored import as_number, number
 from heave_bags.analyse.run_record import RunRecord
@@ -73,16 +73,12 @@ def _seldom_active(record: RunRecord) -> str:
 
 
 def on_industrial(record: RunRecord, values: Mapping[str, float]) -> str:
-    """Return what must be known of the baseline law's efficiencies; "": nothing.
+    """Return what must be known of the baseline law's efficiencies in the run `record` with figures of merit `values`;
+    "": nothing.
 
     It may have lost compensation, or the load may swing more than the rope at the boom tip: nothing in that law damps
     the load. Its swing from before compensation, and what the rope at the boom tip adds at its natural period, die by
     drag alone: T = 2 pi sqrt((m + m_a + m_rope / 3) L / EA).
-
-    Parameters
-    ----------
-    record : of the run
-    values : its figures of merit (`RunRecord.kpis`)
     """
     if (active := _seldom_active(record)) and record.signals.baseline is not None:
         lost = f", lost {record.signals.baseline.lost}" if record.signals.baseline.lost else ""
@@ -111,6 +107,6 @@ def table(records: Sequence[RunRecord]) -> str:
     values = {record.name: record.kpis() for record in records}
     keys = list(dict.fromkeys(key for record in records for key in headline(record, values[record.name])))
     notes = {key: note(records[0], key) for key in keys} if len(records) == 1 else {}
-    shown = kpi_table.table(values, {record.name: record.sources for record in records}, keys=keys, notes=notes)
+    shown = kpi_set.table(values, {record.name: record.sources for record in records}, keys=keys, notes=notes)
     why = on_industrial(records[0], values[records[0].name]) if len(records) == 1 else ""
     return f"{shown}\n{why}" if why else shown

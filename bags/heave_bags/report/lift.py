@@ -29,13 +29,10 @@ USUAL_SIDE, LEAST_SIDE, MOST_SIDE = 12.0, 14.0, 40.0
 
 
 def lift_drawing(record: RunRecord) -> dict[str, Any] | None:
-    """Return what the page draws of a run: words, sizes, and the motions as packed columns; None: it recorded no load.
+    """Return what the page draws of the run `record`: words, sizes, and the motions as packed columns; None: it
+    recorded no load.
 
     Lengths are in metres, heave positive up, payout positive out.
-
-    Parameters
-    ----------
-    record : of the run
     """
     signals = record.signals
     named = {

@@ -1,4 +1,4 @@
-"""A report on paper: PDF and pictures of a page, made by an installed Chromium without a window."""
+"""A report on paper: the PDF of a page, made by an installed Chromium without a window."""
 
 from __future__ import annotations
 
@@ -6,7 +6,6 @@ import os
 import shutil
 import subprocess
 import tempfile
-from collections.abc import Sequence
 from pathlib import Path
 
 from heave_bags.errors import BagError
@@ -25,8 +24,6 @@ FLAGS = (
 )
 LONGEST = 180.0
 """Wall time after which a browser is given up [s]."""
-PICTURE = (1200, 1080)
-"""Window of a picture [pixels]."""
 
 
 def find_browser() -> str:
@@ -38,7 +35,7 @@ def find_browser() -> str:
     found = found or next((place for place in PLACES if Path(place).is_file()), "")
     if not found:
         raise BagError(
-            "no Chromium, Chrome or Edge is installed here, which a PDF or picture needs: install one (apt install "
+            "no Chromium, Chrome or Edge is installed here, which a PDF needs: install one (apt install "
             "chromium), or open report.html in any browser and print it"
         )
     return found
@@ -49,24 +46,12 @@ def save_pdf(page: Path, output: Path) -> None:
 
     Raises BagError where no browser is installed, or it gives no PDF.
     """
-    _draw(page, output, [f"--print-to-pdf={output.resolve()}"])
-
-
-def save_picture(page: Path, output: Path, size: tuple[int, int] = PICTURE) -> None:
-    """Save the head of the HTML file `page` as the PNG file `output`, `size` pixels wide and high.
-
-    Raises BagError as `save_pdf` does.
-    """
-    _draw(page, output, [f"--screenshot={output.resolve()}", f"--window-size={size[0]},{size[1]}"])
-
-
-def _draw(page: Path, output: Path, options: Sequence[str]) -> None:
-    """Let a browser open the `page` and write the `output` that its `options` name."""
     browser = find_browser()
     as_root = ["--no-sandbox"] if hasattr(os, "geteuid") and os.geteuid() == 0 else []  # it refuses to start else
     output.unlink(missing_ok=True)
     with tempfile.TemporaryDirectory(prefix="heave-browser-", ignore_cleanup_errors=True) as profile:
-        command = [browser, *FLAGS, *as_root, f"--user-data-dir={profile}", *options, page.resolve().as_uri()]
+        own = [f"--user-data-dir={profile}", f"--print-to-pdf={output.resolve()}"]
+        command = [browser, *FLAGS, *as_root, *own, page.resolve().as_uri()]
         try:
             done = subprocess.run(command, capture_output=True, timeout=LONGEST, check=False)
         except (OSError, subprocess.TimeoutExpired) as error:

@@ -12,14 +12,9 @@ def notice(text: str) -> str:
 
 
 def table(head: Sequence[str], rows: Iterable[Sequence[str]], *, texts: int, last_is_text: bool = False) -> str:
-    """Return an HTML table.
+    """Return an HTML table with the `head` of its columns and `rows` of cells.
 
-    Parameters
-    ----------
-    head : of its columns
-    rows : cells as text
-    texts : so many of the first columns hold text, the others numbers
-    last_is_text : the last one holds text too
+    The first `texts` columns hold text, and the last one where `last_is_text`; the others numbers.
     """
     last = len(head) - 1
 

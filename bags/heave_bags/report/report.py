@@ -13,8 +13,8 @@ from typing import Any
 
 from jinja2 import Environment, FunctionLoader, StrictUndefined, Template
 
-from heave_bags.analyse import analysis, differences, kpi_set, kpi_table, run_warnings, run_words
-from heave_bags.analyse.kpis.sources import SOURCES, source_of
+from heave_bags.analyse import analysis, differences, kpi_set, run_warnings, run_words
+from heave_bags.analyse.kpi_set import SOURCES, source_of
 from heave_bags.analyse.run_record import RunRecord
 from heave_bags.analyse.verdict import FAILED, NO_VERDICT, Verdict, judge
 from heave_bags.errors import BagError
@@ -93,12 +93,8 @@ def _as_script(data: Any) -> str:
 def render_page(title: str, body: str, figures: Sequence[Figure], footer: str) -> str:
     """Return a page of another study as HTML, which opens offline, zooms and prints as a report of a run does.
 
-    Parameters
-    ----------
-    title : of the page
-    body : HTML, with the places of the figures (`place_figure`)
-    figures : in the order of their places
-    footer : a line at the end
+    It has a `title`, a `body` of HTML with the places of the `figures` in order (`place_figure`), and a line at the
+    end, `footer`.
     """
     return _page("study.html", figures, title=title, body=body, footer=footer)
 
@@ -112,13 +108,8 @@ def place_figure(figure: Figure, figures: list[Figure]) -> str:
 def page_content(
     records: Sequence[RunRecord], figures: list[Figure], verdicts: Sequence[Verdict] = ()
 ) -> dict[str, Any]:
-    """Return what the page of `records` says.
-
-    Parameters
-    ----------
-    records : of the runs
-    figures : those that the page's script draws are added
-    verdicts : as for `save_report`
+    """Return what the page of `records` says, with `verdicts` as for `save_report`; the `figures` that the page's
+    script draws are added.
     """
     labels = differences.labels(records)
     lift = lift_drawing(records[0]) if len(records) == 1 else None
@@ -203,7 +194,7 @@ def _tiles(record: RunRecord, values: Mapping[str, float]) -> list[dict[str, Any
 
 def _groups(columns: Sequence[Mapping[str, float]], sources: Sequence[Mapping[str, str]]) -> list[dict[str, Any]]:
     """Return the figures of merit in groups, with what each is made from; those that nobody knows are left out."""
-    shown = kpi_table.shown(columns)
+    shown = kpi_set.shown(columns)
     groups = []
     for group in kpi_set.GROUPS:
         rows = [

@@ -3,10 +3,33 @@
 from __future__ import annotations
 
 import argparse
+import os
 import re
+from collections.abc import Callable, Iterable
 from pathlib import Path
 
-from heave_bringup.commands.completion import completed_by
+ASKED = "_ARGCOMPLETE"
+"""Set in the environment by the shell while it asks what may stand next."""
+
+
+def complete(parser: argparse.ArgumentParser) -> None:
+    """Answer the shell and end, where it asks; else do nothing, and load nothing, for the command of a `parser`."""
+    if ASKED not in os.environ:
+        return
+    import argcomplete
+
+    argcomplete.autocomplete(parser)
+
+
+def completed_by(action: argparse.Action, words: Callable[[], Iterable[str]]) -> None:
+    """Let the shell complete the argument of an `action` by what `words` returns, which is called only when the shell
+    asks.
+    """
+
+    def completer(**_: object) -> list[str]:
+        return list(words())
+
+    action.completer = completer  # type: ignore[attr-defined]
 
 
 def add_settings(parser: argparse.ArgumentParser) -> None:

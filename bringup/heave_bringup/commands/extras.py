@@ -13,12 +13,6 @@ from heave_bringup.errors import CommandError
 COMMANDS = "heave.commands"
 """Group of entry points whose modules are subcommands (`heave_bringup.commands.command`)."""
 
-FORMER = {
-    **{name: name for name in ("operability", "sizing", "extremes", "lift")},
-    **{"campaign": "STUDY", "accept": "PROCEDURE", "falsify": "worst_case"},
-}
-"""Commands that are studies now, with what follows `heave study`."""
-
 EXTRA_OF_MODULE = {
     **dict.fromkeys(("control", "matplotlib"), "design"),
     **dict.fromkeys(("pandas", "pyarrow"), "frames"),
@@ -28,13 +22,7 @@ EXTRA_OF_MODULE = {
 
 
 class AbsentCommand:
-    """Stands for a subcommand whose extra is not installed, and says so.
-
-    Parameters
-    ----------
-    name : of the subcommand
-    error : why it cannot be loaded; None where it was not found at all
-    """
+    """Stands for the subcommand `name`, whose extra is absent or cannot be loaded for an `error`, and says so."""
 
     EXAMPLES = ()
 

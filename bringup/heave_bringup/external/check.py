@@ -47,13 +47,8 @@ class Finding:
 
 
 def judge_topic(port: Port, heard: Heard, rule: ClockRule = ClockRule.DETECT) -> list[Finding]:
-    """Return what is to be said of one topic that a node publishes.
-
-    Parameters
-    ----------
-    port : the topic as it must be
-    heard : what came
-    rule : how the node stamps, as declared
+    """Return what is to be said of one topic that a node publishes: as it must be, `port`; as it was `heard`; by the
+    `rule` by which the node stamps, as declared.
     """
     name = port.topic.name
 

@@ -7,13 +7,17 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from typing import TYPE_CHECKING
 
 from heave_bags.analyse.events import ALARMS_PART
 from heave_node.interface.alarm import alarms_in
 from heave_node.interface.codes import OPERATOR_SPEED_LIMITED
 
 from heave_bringup.operate.requests import Answer, refusal
-from heave_bringup.operate.tasks import STATE_TIME, Link, Move
+from heave_bringup.operate.tasks import STATE_TIME
+
+if TYPE_CHECKING:
+    from heave_bringup.operate.link import DepthMove, RunLink
 
 SPEED_PERIOD = 0.1
 """Simulated time between two requests of a speed [s]."""
@@ -22,15 +26,11 @@ SETTLING_TIME = 3.0
 
 
 class Lowering:
-    """Asks for a speed of the mean payout, as a joystick does, for some time; done when the payout rests again.
-
-    Parameters
-    ----------
-    speed : positive lowers [m/s]
-    duration : simulated [s]
+    """Asks for a `speed` of the mean payout, positive lowers [m/s], as a joystick does, for a `duration` [s,
+    simulated]; done when the payout rests again.
     """
 
-    def __init__(self, link: Link, speed: float, duration: float) -> None:
+    def __init__(self, link: RunLink, speed: float, duration: float) -> None:
         self._link = link
         self._speed, self._duration = speed, duration
         self._began = self._ended = self._asked_at = self._payout_before = math.nan
@@ -82,16 +82,12 @@ class Lowering:
 
 
 class Followed:
-    """A move that is followed: shown as it goes.
+    """A `move` that was requested and is followed: `show` is called with mean depth [m], rate [m/s] and time to go [s].
 
-    Parameters
-    ----------
-    move : that was requested
-    show : called with mean depth [m], rate [m/s] and time to go [s]
-    waits : for the end of the move; False: until it is under way
+    It `waits` for the end of the move, or only until it is under way.
     """
 
-    def __init__(self, move: Move, show: Callable[[float, float, float], None], *, waits: bool) -> None:
+    def __init__(self, move: DepthMove | MoveBy, show: Callable[[float, float, float], None], *, waits: bool) -> None:
         self._move, self._show, self._waits = move, show, waits
 
     def poll(self) -> Answer | None:
@@ -112,18 +108,14 @@ class Followed:
 
 
 class MoveBy:
-    """Moves the unit by some depth from where it hangs.
-
-    Parameters
-    ----------
-    distance : positive lowers [m]
-    speed : largest mean speed [m/s]; 0: the controller's own
+    """Moves the unit by a `distance` from where it hangs, positive lowers [m], at most at a mean `speed` [m/s]; 0: the
+    controller's own.
     """
 
-    def __init__(self, link: Link, distance: float, speed: float) -> None:
+    def __init__(self, link: RunLink, distance: float, speed: float) -> None:
         self._link = link
         self._distance, self._speed = distance, speed
-        self._move: Move | None = None
+        self._move: DepthMove | None = None
         self._began = link.wall_time
 
     @property

@@ -63,13 +63,9 @@ class Request:
 
 
 def request_mode(mode: str, tension: float = 0.0, *, unproved: bool = False) -> Request:
-    """Request a `mode` of the controller.
+    """Request a `mode` of the controller, by its name; the `tension` is for constant_tension [N], 0: the present mean.
 
-    Parameters
-    ----------
-    mode : its name
-    tension : to hold in constant_tension [N]; 0: the present mean
-    unproved : compensation may begin although nothing has proved the motion reference unit
+    With `unproved` compensation may begin although nothing has proved the motion reference unit.
     """
 
     def judge(response: Any) -> Answer:
@@ -125,26 +121,19 @@ def request_limits(take: Callable[[WinchLimits], None]) -> Request:
 
 
 def request_redesign(height: float = 0.0, period: float = 0.0, length: float = 0.0) -> Request:
-    """Request a new design without stopping.
+    """Request a new design without stopping, for a sea of significant wave `height` [m] and peak `period` [s]; 0: as
+    estimated from the MRU.
 
-    Parameters
-    ----------
-    height, period : significant wave height [m] and peak period [s] of the sea; 0: as estimated from the MRU
-    length : deployed cable length [m]; 0: the present one
+    The `length` is that of the deployed cable [m]; 0: the present one.
     """
     message = Redesign.Request(significant_wave_height=height, peak_period=period, length=length)
     return Request(Redesign, "controller/redesign", message, CONTROLLER, bound=DESIGN_TIME)
 
 
 def request_fault(device: str, kind: str, duration: float = 0.0, magnitude: float = 0.0) -> Request:
-    """Make a simulated device misbehave.
+    """Make a simulated `device`, one of NODE_OF_DEVICE, misbehave by a `kind` of fault, or clear it.
 
-    Parameters
-    ----------
-    device : of NODE_OF_DEVICE
-    kind : of fault, or clear
-    duration : simulated [s]; 0: once, or until cleared
-    magnitude : in the unit of the kind
+    It lasts for a `duration` [s, simulated], 0: once, or until cleared, and its `magnitude` is in the unit of the kind.
     """
     node = NODE_OF_DEVICE[device]
     message = InjectFault.Request(device=device, kind=kind, duration=duration, magnitude=magnitude)

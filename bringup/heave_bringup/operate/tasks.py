@@ -9,18 +9,20 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
 from heave_bringup.operate.requests import (
     Answer,
-    Request,
     refusal,
     request_fault,
     request_mode,
     request_pause,
     request_step,
 )
-from heave_bringup.operate.situation import PAUSED, RUNNING, Situation
+from heave_bringup.operate.situation import PAUSED, RUNNING
+
+if TYPE_CHECKING:
+    from heave_bringup.operate.link import RunLink
 
 STATE_TIME = 5.0
 """Wall time in which a run must show what it was asked for [s]."""
@@ -44,45 +46,8 @@ class Task(Protocol):
         """Let go: what was only asked for goes on, what needs the operator ends smoothly."""
 
 
-class Move(Task, Protocol):
-    """A move that was requested."""
-
-    is_under_way: bool  # the controller has begun it
-    # mean depth [m], rate [m/s] and time to go [s], newest; None before the first
-    progress: tuple[float, float, float] | None
-
-
-class Link(Protocol):
-    """The way to a run."""
-
-    @property
-    def situation(self) -> Situation:
-        """What is known of the run now."""
-
-    @property
-    def wall_time(self) -> float:
-        """Monotonic wall time [s]."""
-
-    def start(self, request: Request) -> Task:
-        """Send a `request`; the task has the answer."""
-
-    def start_move(self, depth: float, speed: float) -> Move:
-        """Request a move to a mean `depth` [m] at no more than `speed` [m/s]; 0 is the controller's own."""
-
-    def cancel_moves(self) -> Task:
-        """Let the controller end its move smoothly."""
-
-    def ask_speed(self, speed: float) -> None:
-        """Ask for a `speed` of the mean payout now, positive lowers [m/s]."""
-
-
 class AnyOf:
-    """Several tasks, answered together: done where any was; the answers of the others are left out then.
-
-    Parameters
-    ----------
-    tasks : begun
-    """
+    """Several `tasks`, begun and answered together: done where any was; the answers of the others are left out then."""
 
     def __init__(self, tasks: Sequence[Task]) -> None:
         self._tasks = tasks
@@ -104,15 +69,12 @@ class AnyOf:
 
 
 class ClockTask:
-    """Pauses a run, lets it go on, or for some ticks; done when the run shows it.
+    """Pauses a run where `is_paused`, or lets it go on; done when the run shows it.
 
-    Parameters
-    ----------
-    ticks : to go on for, of a run that is paused; None: until further notice
-    is_paused : whether the clock is to stand
+    A run that is paused may go on for some `ticks`; None: until further notice.
     """
 
-    def __init__(self, link: Link, *, ticks: int | None = None, is_paused: bool = False) -> None:
+    def __init__(self, link: RunLink, *, ticks: int | None = None, is_paused: bool = False) -> None:
         self._link = link
         run = link.situation.run
         self._goal = ticks + run.tick if ticks is not None and run is not None else None
@@ -152,7 +114,7 @@ class ClockTask:
 class Stop:
     """Fades compensation out, brings the winch to rest and brakes; done when the brake is on."""
 
-    def __init__(self, link: Link) -> None:
+    def __init__(self, link: RunLink) -> None:
         self._link = link
         self._asked: Task | None = link.start(request_mode("stopped"))
         self._since = math.nan
@@ -197,7 +159,7 @@ class EmergencyStop:
     Done when the winch says that its brake is on and its drum at rest.
     """
 
-    def __init__(self, link: Link) -> None:
+    def __init__(self, link: RunLink) -> None:
         self._link = link
         self._pressed_at = link.wall_time
         self._since = link.situation.time

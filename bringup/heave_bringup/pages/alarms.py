@@ -11,7 +11,7 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 
 from cable_sim_node.alarms import ALARMS as PLANT
-from heave_bags.record.alarms import ALARMS as RECORDER
+from heave_bags.record.session import ALARMS as RECORDER
 from heave_node.extras import extra_parts
 from heave_node.interface.alarm import NODE_ALARMS, AlarmRow, AlarmTable
 from wave_vessel_node.alarms import ALARMS as VESSEL
@@ -45,31 +45,13 @@ PLACES = {
     "imu": "IMU on the load",
 }
 """What each sensor is."""
-OF_LOSS = {
-    f"{part.upper()}_{kind}"
-    for part in PLACES
-    for kind in (
-        "STALE",
-        "LATE",
-        "ABSENT",
-        "NOT_A_NUMBER",
-        "OUT_OF_RANGE",
-        "BAD_STAMP",
-        "OUT_OF_ORDER",
-        "FROZEN",
-        "SPIKES",
-        "JUMPS",
-    )
-}
-"""Codes by which a sensor is lost, and of which the file has one row for all sensors."""
-
 VALUES = {
     "modes": ModeParameters(),
     "harm_percent": 100.0 * GuardParameters().harm_ratio,
     "back_time": BACK_TIME,
     "wait": WAIT,
     "blind_minutes": BLIND_LIMIT / 60.0,
-    "example": str(CONTROLLER.alarm("MRU_STALE", age=0.31, limit=0.15)),
+    "example": str(CONTROLLER.alarm("SENSOR_LOST, MRU: stale", age=0.31, limit=0.15)),
 }
 """What the head of the page may name in braces."""
 HEAD = Path(__file__).with_name("alarms_head.md")
@@ -85,7 +67,7 @@ def _loss_table() -> str:
     """Return the severity and consequence of each sensor's loss, as Markdown."""
     rows = [("sensor", "what it is", "severity if *lost*", "consequence"), ("---",) * 4]
     for part, place in PLACES.items():
-        row = CONTROLLER[f"{part.upper()}_STALE"]
+        row = _lost(part)
         rows.append((part.upper(), place, row.severity.word, row.consequence.replace("{loop}", "*loop*")))
     return _lines(rows)
 
@@ -102,12 +84,22 @@ def page() -> str:
     return "\n".join(parts)
 
 
+def _lost(part: str) -> AlarmRow:
+    """Return a row that has severity and consequence of the loss of a sensor, a `part`."""
+    return CONTROLLER[f"SENSOR_LOST, {part.upper()}: stale"]
+
+
 def _grouped(rows: Iterable[AlarmRow]) -> list[list[AlarmRow]]:
     """Return the `rows` with those that say the same of several parts as one, in the order of the first of each."""
     groups: dict[tuple[str, str, str], list[AlarmRow]] = {}
     for row in rows:
-        groups.setdefault((row.code.removeprefix(row.part.upper()), row.state, _action(row)), []).append(row)
+        groups.setdefault((_kind(row), row.state, _action(row)), []).append(row)
     return list(groups.values())
+
+
+def _kind(row: AlarmRow) -> str:
+    """Return the code without the part."""
+    return row.code.partition(", ")[0]
 
 
 def _action(row: AlarmRow) -> str:
@@ -133,10 +125,13 @@ def _cells(rows: list[AlarmRow]) -> tuple[str, ...]:
     first = rows[0]
     severity = _by_part({row.part: row.severity.word for row in rows})
     consequence = _by_part({row.part: row.consequence for row in rows})
-    if any(row.code in OF_LOSS for row in rows):
-        severity, consequence = (cell if len(rows) == 1 else LOST for cell in (severity, consequence))
+    if _kind(first) == "SENSOR_LOST" and len({row.severity for row in rows}) > 1:
+        lost = [(_lost(row.part).severity, _lost(row.part).consequence) for row in rows]
+        severity = LOST if lost == [(row.severity, row.consequence) for row in rows] else severity
+        consequence = LOST if severity == LOST else consequence
     words = (re.sub(r"\{(\w+)[^}]*\}", _italic, text) for text in (first.state, consequence, _action(first)))
-    return (", ".join(f"`{row.code}`" for row in rows), severity, *words)
+    parts = [row.part.upper() for row in rows if row.code != _kind(row)]
+    return (", ".join([f"`{_kind(first)}`", *parts]), severity, *words)
 
 
 if __name__ == "__main__":

@@ -37,13 +37,10 @@ SECTION_WORDS = {
 
 
 def commented_scenario(sections: Sections, *, title: str, path: str) -> str:
-    """Return a scenario file with a comment beside each value.
+    """Return a scenario file, `path` in its head, with a comment beside each value of its `sections`, by section and
+    dotted name.
 
-    Parameters
-    ----------
-    sections : values by section and dotted name
-    title : the first line, which `heave list` and reports show
-    path : of the file, named in its head
+    The `title` is the first line, which `heave list` and reports show.
     """
     lines = [HEAD.format(title=title, path=shlex.quote(path)).rstrip()]
     for section, values in sections.items():

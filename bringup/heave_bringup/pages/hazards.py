@@ -102,7 +102,7 @@ def _section(number: int, one: Hazard) -> str:
 
 def _measured(one: Hazard) -> str:
     """Return how soon the faults that cause a hazard were named, and the drum came to rest; empty: none was run."""
-    sensors = tuple(name for name in SENSORS if any(code.startswith(name.upper()) for code in one.alarms))
+    sensors = tuple(name for name in SENSORS if any(code.endswith(f", {name.upper()}") for code in one.alarms))
     devices = {device: sensors if device == "sensor" else (device,) for device in one.causes}
     faults = {f"{name} {kind}" for device, kinds in one.causes.items() for name in devices[device] for kind in kinds}
     shown = [case for case in _cases() if case["fault"] in faults and case["shows"]]

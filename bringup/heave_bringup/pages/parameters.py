@@ -93,12 +93,10 @@ def all_rows() -> list[Row]:
 
 
 def matching(rows: Iterable[Row], pattern: str) -> list[Row]:
-    """Return the rows whose name, or shared name, fits a pattern; where none does, those whose meaning or choices do.
+    """Return those of `rows` whose name, or shared name, fits a `pattern`; where none does, those whose meaning or
+    choices do.
 
-    Parameters
-    ----------
-    rows : to look in
-    pattern : a part of the name, in any case, or with * and ? for the whole of it; NODE.PARAM names one
+    It is a part of the name, in any case, or with * and ? the whole of it; NODE.PARAM names one.
     """
     rows, wanted = list(rows), pattern.lower()
     has_wildcard = any(sign in wanted for sign in "*?[")
@@ -128,24 +126,19 @@ def _scalar(value: object) -> str:
 
 
 def range_words(info: ParameterInfo) -> str:
-    """Say in few words what a parameter (`info`) may be."""
+    """Say in few words what a parameter (`info`) may be; a range as an interval."""
+    low, high = (None if bound is None else f"{bound:.10g}" for bound in (info.minimum, info.maximum))
     if info.choices:
         words = ", ".join([*info.choices, *([info.also_words] if info.also else [])])
     elif info.type in (bool, str):
         words = {bool: "true, false", str: "text"}[info.type]
-    elif info.minimum is not None and info.maximum is not None:
-        words = f"{info.minimum:.10g} to {info.maximum:.10g}"
-    elif info.minimum is not None:
-        words = f"at least {info.minimum:.10g}"
-    elif info.maximum is not None:
-        words = f"at most {info.maximum:.10g}"
+    elif low is not None and high is not None:
+        words = f"[{low}, {high}]"
     else:
-        words = "any number"
-    if info.type is int and not info.choices:
-        words = f"whole, {words}"
-    if not info.is_array:
-        return words
-    return f"{info.length} of: {words}" if info.length is not None else f"list of: {words}"
+        words = f"\u2265 {low}" if low is not None else f"\u2264 {high}" if high is not None else "any"
+    kind = "whole " if info.type is int and not info.choices else ""
+    number = "" if not info.is_array else "list of " if info.length is None else f"{info.length} \u00d7 "
+    return f"{number}{kind}{words}"
 
 
 PLAIN = re.compile(r"[A-Za-z0-9_./-]+")
@@ -186,23 +179,9 @@ def _table(named: Iterable[tuple[str, Row]]) -> str:
     for name, row in named:
         info = row.info
         default = f"`{value_words(info, info.default)}` {info.unit}".rstrip()
-        texts = (f"`{name}`", default, _interval(info), row.meaning)
+        texts = (f"`{name}`", default, range_words(info), row.meaning)
         lines.append(tuple(text.replace("|", "\\|") for text in texts))
     return "\n".join(f"|{'|'.join(line)}|" for line in lines) + "\n"
-
-
-def _interval(info: ParameterInfo) -> str:
-    """Return what a parameter may be, as an interval."""
-    low, high = (None if bound is None else f"{bound:.10g}" for bound in (info.minimum, info.maximum))
-    if info.choices or info.type in (bool, str):
-        words = range_words(info).removeprefix("list of: ")
-    elif low is not None and high is not None:
-        words = f"[{low}, {high}]"
-    else:
-        words = f"\u2265 {low}" if low is not None else f"\u2264 {high}" if high is not None else "any"
-    kind = "whole " if info.type is int and not info.choices else ""
-    number = "" if not info.is_array else "list of " if info.length is None else f"{info.length} \u00d7 "
-    return f"{number}{kind}{words}"
 
 
 if __name__ == "__main__":

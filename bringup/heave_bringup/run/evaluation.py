@@ -24,12 +24,8 @@ from heave_bringup.scenarios import Scenario
 
 
 def check_complete(bag: Path, status: TickStatus) -> None:
-    """Refuse a lockstep bag that lacks a message which a node says it published.
-
-    Parameters
-    ----------
-    bag : folder of the bag
-    status : last status of the clock master, with the number of messages of each topic
+    """Refuse a lockstep `bag`, its folder, that lacks a message which a node says it published, by the last `status` of
+    the clock master.
 
     Raises CommandError, naming the first topic.
     """

@@ -83,11 +83,8 @@ def _value(source: str, text: str) -> object:
 
 
 def prepare(arguments: Mapping[str, str]) -> tuple[RunFolder, list[str]]:
-    """Check the scenario, write the run's parameter file into its folder, and return that and the nodes to start.
-
-    Parameters
-    ----------
-    arguments : of the launch, by name
+    """Check the scenario, write the run's parameter file into its folder, and return that and the nodes to start, by
+    the `arguments` of the launch.
 
     Raises ParameterError or CommandError, in one line, for whatever is wrong.
     """

@@ -79,11 +79,8 @@ class NodeProcess:
 
 
 class Launcher:
-    """The node processes of one run.
-
-    Parameters
-    ----------
-    forks : processes that wait; nodes are started in them as long as there are any, then each in a new Python
+    """The node processes of one run, started in `forks`, processes that wait, as long as there are any, then each in a
+    new Python.
     """
 
     def __init__(self, forks: list[Forked] | None = None) -> None:
@@ -117,12 +114,8 @@ class Launcher:
     def start_composed(
         self, names: Sequence[str], scenario_file: Path, logs: Path, namespace: str = "", *, is_public: bool = False
     ) -> None:
-        """Start nodes in one process.
-
-        Parameters
-        ----------
-        names, scenario_file, logs, namespace : as in `start`
-        is_public : other processes get every message
+        """Start the nodes `names` in one process, with `scenario_file`, `logs` and `namespace` as in `start`; other
+        processes get every message where it `is_public`.
         """
         ros = [*_ros_arguments(scenario_file), *in_namespace(namespace)]
         self._start(TOGETHER, names, [*composed.program(names, is_public=is_public), *ros], logs)

@@ -15,12 +15,8 @@ from heave_bringup.closed_loop import LoopParameters, LoopRecord
 
 
 def run_signals(record: LoopRecord, parameters: LoopParameters) -> RunSignals:
-    """Return the signals that KPIs are computed from, as a bag of the same run would give them.
-
-    Parameters
-    ----------
-    record : of the run
-    parameters : that it was made with
+    """Return the signals of a run's `record`, made with `parameters`, that KPIs are computed from, as a bag of the same
+    run would give them.
     """
     time, plant = record.column("time"), parameters.plant
 

@@ -8,20 +8,15 @@ import rclpy
 from builtin_interfaces.msg import Time
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from heave_bags.analyse.events import ALARMS_PART, MODE_PART, SENSOR_PARTS
-from heave_msgs.msg import CompensationKpi, TickPart, TickRoster, TickStatus
+from heave_msgs.msg import CompensationKpi, TickStatus
 from heave_node.interface import topics
 from heave_node.interface.alarm import Severity, alarms_in, kind_of
 from heave_node.interface.codes import time_key, time_of
-from heave_node.interface.messages import MessageReader
-from heave_node.ros.process import in_namespace, node_beside
-from heave_node.ros.release import take_newest
+from heave_node.ros.process import node_beside
 from heave_node.ros.spin import Spinner
 from heave_node.ros.transport.qos import qos_of
 from heave_node.ros.transport.strangers import PART as STRANGERS
-from heave_node.tick.protocol import Part
 from heave_node.tick.tick import seconds_of
-from rclpy.node import Node
-from rclpy.qos import QoSProfile, ReliabilityPolicy
 
 from heave_bringup.run.live_figures import LiveFigures
 
@@ -30,63 +25,6 @@ DISCOVERY = 0.5
 
 One that shows itself later is noticed during the run.
 """
-
-PLANT = topics.CABLE_STATE.publisher
-TRUTH = {
-    topic.name: MessageReader(topic.type, (field,))
-    for topic, field in (
-        (topics.UNIT_ODOMETRY, "pose.pose.position.z"),
-        (topics.UNIT_UNCOMPENSATED, "position.z"),
-        (topics.CABLE_STATE, "touchdown_force"),
-    )
-}
-"""What is read of the truth."""
-
-NEWEST = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
-
-
-class TruthSampler:
-    """Looks at the newest of what only a simulator knows, and at no more of it: a run may be much faster than a look.
-
-    Parameters
-    ----------
-    namespace : of the run; "" for none
-    """
-
-    def __init__(self, namespace: str = "") -> None:
-        # in no executor: nobody takes what is not looked at
-        self._node = Node(
-            "heave_command_truth", namespace=namespace, cli_args=in_namespace(namespace), start_parameter_services=False
-        )
-        roster = topics.TICK_ROSTER
-        self._roster = self._node.create_subscription(TickRoster, roster.name, print, qos_of(roster.role))
-        # the plant leads the ticks, or takes part in them
-        parts = (topics.TICK_LEAD, topics.tick_part_topic(PLANT))
-        self._parts = [self._node.create_subscription(TickPart, topic.name, print, NEWEST) for topic in parts]
-        self._outputs: dict[int, str] = {}
-
-    def look(self, live: LiveFigures) -> None:
-        """Tell the newest to `live`."""
-        roster = take_newest(self._roster)
-        if roster is not None:
-            own = [topic for node, topic in zip(roster.nodes, roster.topics, strict=True) if node == PLANT]
-            self._outputs = {
-                number: name for number, topic in enumerate(own) for name in TRUTH if topic.endswith(f"/{name}")
-            }
-        for reader in self._parts:
-            taken = take_newest(reader, raw=True)
-            if taken is not None:
-                self._note(Part.of(taken), live)
-
-    def _note(self, part: Part, live: LiveFigures) -> None:
-        found = {self._outputs[output]: data for output, data in part.messages if output in self._outputs}
-        if len(found) == len(TRUTH):
-            (unit, free, cable) = (TRUTH[name].reading(found[name]) for name in TRUTH)
-            live.note_truth(1e-9 * unit.stamp, unit.numbers[0], free.numbers[0], is_landed=cable.numbers[0] > 0.0)
-
-    def close(self) -> None:
-        """Leave ROS."""
-        self._node.destroy_node()
 
 
 class Monitor:
@@ -100,7 +38,7 @@ class Monitor:
     Attributes
     ----------
     status, kpi : the newest of each
-    live : what the unit does, and the mode of the controller
+    live : the mode of the controller, and what it lost
     alarms : errors that the nodes reported on /diagnostics, and critical alarms, in order, each once
     strangers : what they said of processes that publish where only others may, in order
     """
@@ -126,7 +64,6 @@ class Monitor:
         self._node.create_subscription(
             DiagnosticArray, topics.DIAGNOSTICS.name, self._on_diagnostics, qos_of(topics.DIAGNOSTICS.role)
         )
-        self._truth = TruthSampler(namespace)
         self._spinner = Spinner(self._node)
 
     def _on_status(self, message: TickStatus) -> None:
@@ -164,7 +101,6 @@ class Monitor:
             if part.name == MODE_PART:
                 time_of_tick = seconds_of(message.header.stamp)
                 reported = {value.key: value.value for value in part.values}
-                self.live.note_depth(time_of_tick, float(reported.get("mean depth [m]", "nan")))
                 self._news += self.live.note_modes(time_of_tick, part.message, reported)
                 if self.live.is_reported:
                     continue
@@ -197,7 +133,6 @@ class Monitor:
     def spin(self, seconds: float) -> None:
         """Listen for `seconds` of wall time."""
         self._spinner.spin_for(seconds)
-        self._truth.look(self.live)
 
     def another_run(self) -> bool:
         """Return whether another run's clock master is in this ROS domain."""
@@ -215,7 +150,6 @@ class Monitor:
     def close(self) -> None:
         """Leave ROS."""
         self._spinner.close()
-        self._truth.close()
         self._node.destroy_node()
         rclpy.try_shutdown()
 

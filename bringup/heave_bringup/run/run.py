@@ -22,12 +22,12 @@ from heave_node.scenario import write_sections
 
 from heave_bringup.errors import AnotherRunError, CommandError, InterruptedCommandError
 from heave_bringup.interrupts import raise_if_interrupted
+from heave_bringup.network import ANOTHER_RUN, only_run_in_domain
 from heave_bringup.nodes import ADVISER, MASTER, NODE_BY_NAME, RECORDER, nodes_to_start
 from heave_bringup.progress import ProgressLine
 from heave_bringup.replacements import Replacements
 from heave_bringup.run.launcher import Launcher, NodeProcess
 from heave_bringup.run.monitor import Monitor
-from heave_bringup.run.one_run import ANOTHER_RUN, only_run_in_domain
 from heave_bringup.scenarios import STORED, Scenario
 from heave_bringup.stored_scenario import stored_sections, stored_title
 
@@ -61,16 +61,10 @@ class RunFolder:
 
 
 def new_run_folder(name: str, chosen: Path | None) -> RunFolder:
-    """Return the folder of a run.
+    """Return the folder of a run of the scenario `name`: the `chosen` one, or else the next free `runs/NAME-NNN`.
 
-    Parameters
-    ----------
-    name : of the scenario
-    chosen : folder that the user named; None takes the next free `runs/NAME-NNN`
-
-    It is made at once: of two runs that begin together only one can have it.
-
-    Raises ParameterError where the chosen folder is not empty.
+    It is made at once: of two runs that begin together only one can have it. Raises ParameterError where the chosen
+    folder is not empty.
     """
     if chosen is not None:
         if chosen.is_dir() and any(chosen.iterdir()):
@@ -250,13 +244,10 @@ def _listen(namespace: str, *, is_open_loop: bool) -> Monitor:
 
 
 def store_scenario(scenario: Scenario, folder: RunFolder, replaced: Sequence[str] = ()) -> None:
-    """Write the parameter file that the nodes get and the bag carries: all active values.
+    """Write the parameter file of a checked `scenario` that the nodes get and the bag carries, all active values, into
+    the `folder` of the run.
 
-    Parameters
-    ----------
-    scenario : checked
-    folder : of the run; the recorder writes into it
-    replaced : nodes in whose place a bag (NODE=bag) or another program takes part
+    What is `replaced` is the nodes in whose place a bag (NODE=bag) or another program takes part.
     """
     recorder = replace(
         scenario.parameters["recorder"],

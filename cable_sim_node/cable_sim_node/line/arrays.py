@@ -22,7 +22,7 @@ class LineArrays(NamedTuple):
 
     tiles: Array  # nodes, parts, grid, water and equations along the line
     numbers: Array  # unit, boom tip, counters, what is seen, and settings
-    # rows of the current's profile (depth, u_x, u_y, u_z), of its schedule (time, factor), and of the waves
+    # rows of the current's profile (depth, u_x, u_y, u_z), and of the waves
     water: Array
     # the wide system of a line with bending; three rows more are scratch for a hinge. One row without bending.
     band: Array
@@ -60,9 +60,7 @@ class LineArrays(NamedTuple):
         return self.tiles.reshape(len(self.tiles), at.TILE_COLUMNS, at.STRIDE)[:, start : start + columns, : at.TILE]
 
 
-def allocate(
-    grid: Array, points: Array, numbers: Array, profile: Array, schedule: Array, *, bending: bool
-) -> LineArrays:
+def allocate(grid: Array, points: Array, numbers: Array, profile: Array, *, bending: bool) -> LineArrays:
     """Return arrays for a line at rest that is not yet in equilibrium.
 
     Parameters
@@ -70,14 +68,13 @@ def allocate(
     grid : parts between the grid's points, shape (k, PART_COLUMNS)
     points : unstretched length from the unit to each grid point [m], shape (k,)
     numbers : unit and settings, shape (NUMBERS + 3 rows of the seabed's profile,)
-    profile, schedule : of the current and its factor over time, see `physics.current`
+    profile : of the current, see `physics.current`
     bending : whether the line has bending stiffness
     """
     rows = len(grid) + 1
     tiles = np.zeros((rows // at.TILE + 1, at.TILE_COLUMNS * at.STRIDE))
-    water = np.zeros((len(profile) + len(schedule), at.WATER_COLUMNS))
-    water[: len(profile), : profile.shape[1]] = profile
-    water[len(profile) :, : schedule.shape[1]] = schedule
+    water = np.zeros((len(profile), at.WATER_COLUMNS))
+    water[:, : profile.shape[1]] = profile
     line = LineArrays(
         tiles=tiles,
         numbers=numbers,

@@ -11,7 +11,7 @@ from heave_node.numerics.arrays import Array
 from cable_sim_node.line import layout as at
 from cable_sim_node.line.arrays import LineArrays, allocate
 from cable_sim_node.parameters import CableSimParameters
-from cable_sim_node.physics.current import FLOW, profile_of, schedule_of
+from cable_sim_node.physics.current import FLOW, current_of
 from cable_sim_node.physics.properties import (
     CableProperties,
     body_properties,
@@ -32,9 +32,8 @@ def build_line(parameters: CableSimParameters, total: float) -> LineArrays:
     grid = np.zeros((len(points), at.PART_COLUMNS))
     _fill_segments(parameters, points, grid)
     _add_lumps(parameters, points, grid)
-    profile, schedule = profile_of(parameters), schedule_of(parameters)
     bending = parameters.cable.bending_stiffness > 0.0
-    line = allocate(grid, points, numbers_of(parameters), profile, schedule, bending=bending)
+    line = allocate(grid, points, numbers_of(parameters), current_of(parameters).profile, bending=bending)
     _set_steady_flow(line)
     line.numbers[at.GRID_END] = line.grid_points[-5]
     return line
@@ -100,7 +99,7 @@ def settings_of(parameters: CableSimParameters) -> Array:
     The coefficients of generalised-alpha follow from the spectral radius (Chung & Hulbert 1993).
     """
     seabed = Seabed(parameters.seabed)
-    numbers = np.concatenate((np.zeros(at.NUMBERS), seabed.profile.ravel(), *map(np.ravel, unit_tables(parameters))))
+    numbers = np.concatenate((np.zeros(at.NUMBERS), seabed.profile.ravel(), unit_table(parameters).ravel()))
     solver, bed, spring = parameters.solver, parameters.seabed, parameters.top_spring
     radius = solver.spectral_radius
     alpha_m, alpha_f = (2.0 * radius - 1.0) / (radius + 1.0), radius / (radius + 1.0)
@@ -123,10 +122,8 @@ def settings_of(parameters: CableSimParameters) -> Array:
         bed.friction,
     )
     numbers[at.BED_UNIT_STIFFNESS], numbers[at.BED_UNIT_DAMPING] = bed.unit_stiffness, bed.unit_damping
-    rows, times = len(profile_of(parameters)), len(schedule_of(parameters))
-    is_steady = rows == times == 1
-    numbers[at.PROFILE_END], numbers[at.SCHEDULE_END] = rows, rows + times
-    numbers[at.FLOW_VARIES] = float(not is_steady)
+    rows = len(current_of(parameters).profile)
+    numbers[at.PROFILE_END], numbers[at.FLOW_VARIES] = rows, float(rows > 1)
     numbers[at.SPRING_ON] = float(spring.stiffness > 0.0)
     numbers[at.SPRING_STIFFNESS], numbers[at.SPRING_DAMPING] = spring.stiffness, spring.damping
     numbers[at.SPRING_MASS], numbers[at.SPRING_HALF_STROKE] = spring.moving_mass, 0.5 * spring.stroke
@@ -146,21 +143,20 @@ def settings_of(parameters: CableSimParameters) -> Array:
 def with_waves(line: LineArrays, waves: Waves) -> LineArrays:
     """Return the arrays of a `line` on which these `waves` act, in place of those before."""
     numbers = line.numbers
-    table, end = _wave_table(waves, float(numbers[at.GRAVITY])), int(numbers[at.SCHEDULE_END])
+    table, end = _wave_table(waves, float(numbers[at.GRAVITY])), int(numbers[at.PROFILE_END])
     line = line._replace(water=np.concatenate((line.water[:end], table)))
     numbers[at.WAVES], numbers[at.WAVE_START], numbers[at.WAVE_RAMP] = len(table), waves.start, waves.ramp
     numbers[at.LEVEL] = 0.0
-    numbers[at.FLOW_VARIES] = float(len(table) > 0 or end > 2)
+    numbers[at.FLOW_VARIES] = float(len(table) > 0 or end > 1)
     _set_steady_flow(line)
     return line
 
 
 def _set_steady_flow(line: LineArrays) -> None:
     """Set the flow of steady water, which is the same everywhere and always; a flow that varies is set in each step."""
-    rows = int(line.numbers[at.PROFILE_END])
     for axis in range(3):
         flow = at.FLOW_X + axis * at.STRIDE
-        line.tiles[:, flow : flow + at.STRIDE] = line.water[rows, 1] * line.water[0, FLOW + axis]
+        line.tiles[:, flow : flow + at.STRIDE] = line.water[0, FLOW + axis]
     line.tiles[:, at.FLOW_AX : at.FLOW_AX + 3 * at.STRIDE] = 0.0
 
 
@@ -175,28 +171,23 @@ def _wave_table(waves: Waves, gravity: float) -> Array:
     )
 
 
-def unit_tables(parameters: CableSimParameters) -> tuple[Array, Array, Array]:
-    """Return the tables of the parameters' unit, see `layout`: over KC, near seabed, near surface; shape (k, 3)."""
-    unit, density = parameters.unit, parameters.water_density
-    table, area = unit.oscillation, unit.drag_area[2]
-    drag = 0.5 * density * area * np.array(table.drag_coefficient)
-    over_kc = np.column_stack((table.kc, table.added_mass, drag))
-    near = [np.column_stack((one.distance, one.factor, one.factor)) for one in (unit.near_seabed, unit.near_surface)]
-    return over_kc, near[0], near[1]
+def unit_table(parameters: CableSimParameters) -> Array:
+    """Return the table of the parameters' unit over KC, see `layout`; shape (k, 3)."""
+    table = parameters.unit.oscillation
+    drag = 0.5 * parameters.water_density * parameters.unit.drag_area[2] * np.array(table.drag_coefficient)
+    return np.column_stack((table.kc, table.added_mass, drag))
 
 
 def _set_unit(parameters: CableSimParameters, numbers: Array) -> None:
     """Set the settings of a unit that depends on its place or motion."""
     unit, density = parameters.unit, parameters.water_density
-    rows = [len(table) for table in unit_tables(parameters)]
-    is_in_water = density > 0.0
-    numbers[at.KC_ROWS], numbers[at.NEAR_BED_ROWS], numbers[at.NEAR_SURFACE_ROWS] = rows
+    numbers[at.KC_ROWS] = len(unit_table(parameters))
     numbers[at.KC_WIDTH], numbers[at.KC_MEMORY] = unit.oscillation.width, unit.oscillation.memory
     numbers[at.BOX_HEIGHT] = box_height(parameters)
     numbers[at.BUOYANCY] = unit_properties(parameters).buoyancy
     numbers[at.SLAMMING] = 0.5 * density * unit.box.slamming * unit.box.area
-    is_crossing = numbers[at.BOX_HEIGHT] > 0.0
-    numbers[at.UNIT_VARIES] = float(is_in_water and (any(rows) or is_crossing))
+    varies = numbers[at.KC_ROWS] > 0.0 or numbers[at.BOX_HEIGHT] > 0.0
+    numbers[at.UNIT_VARIES] = float(density > 0.0 and varies)
 
 
 def _fill_segments(parameters: CableSimParameters, points: Array, grid: Array) -> None:

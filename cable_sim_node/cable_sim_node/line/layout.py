@@ -126,11 +126,11 @@ HEAVE_PATH, HEAVE_SQUARE, HEAVE_WEIGHT = (REFUSED + k for k in (12, 13, 14))
 
 # Settings: generalised-alpha, Newton, seabed (BED_FOLLOWS is 1 where its depth is below the boom tip, else 0; BED_TOP
 # is the height of its profile's highest point), waves (how many components; start and duration of their ramp [s];
-# height of the surface below the boom tip [m]), current (rows of its profile, and those with its schedule; whether
+# height of the surface below the boom tip [m]), current (rows of its profile; whether
 # the water's motion changes at all), compensator, whether there are bodies on the cable and whether it is stiff; the
 # largest step, the one that the next interval begins with (0: the largest), and the time for which steps stay short
-# because the line was slack. Of the unit: whether it depends on its place or motion; points of its tables over KC,
-# over the height above the seabed and over depth; width and memory of KC; height of its box [m], buoyancy [N], and
+# because the line was slack. Of the unit: whether it depends on its place or motion; points of its table over KC,
+# width and memory of KC; height of its box [m], buoyancy [N], and
 # slamming (1/2) rho C_s A [kg/m]. Whether the water ends at a surface; gravity [m/s^2]. Friction between wires:
 # whether there is any, its stiffness over EA and its limit over the elastic tension.
 SETTINGS = REFUSED + 15
@@ -157,7 +157,6 @@ SETTINGS = REFUSED + 15
     WAVE_RAMP,
     LEVEL,
     PROFILE_END,
-    SCHEDULE_END,
     FLOW_VARIES,
     SPRING_ON,
     SPRING_STIFFNESS,
@@ -177,8 +176,6 @@ SETTINGS = REFUSED + 15
     PROFILE_ROWS,
     UNIT_VARIES,
     KC_ROWS,
-    NEAR_BED_ROWS,
-    NEAR_SURFACE_ROWS,
     KC_WIDTH,
     KC_MEMORY,
     BOX_HEIGHT,
@@ -190,13 +187,12 @@ SETTINGS = REFUSED + 15
     FRICTION_STICKS,
     FRICTION_SLIDES,
     NUMBERS,
-) = range(SETTINGS, SETTINGS + 55)
+) = range(SETTINGS, SETTINGS + 52)
 """Places of the settings. From NUMBERS on come the points of the seabed's profile, three numbers each: distance [m],
-height [m], slope. Then those of the unit's tables: KC, vertical added mass [kg] and (1/2) rho C_D S [kg/m]; distance
-[m] and factor on the added mass, near the seabed and near the surface.
+height [m], slope. Then those of the unit's table: KC, vertical added mass [kg] and (1/2) rho C_D S [kg/m].
 """
 
-# The components of the waves, a row each of `water` from SCHEDULE_END on, sorted by wave number: encounter frequency
+# The components of the waves, a row each of `water` from PROFILE_END on, sorted by wave number: encounter frequency
 # and frequency [rad/s], wave number, alone and times the direction's cosine and sine [1/m], phase [rad], amplitude [m]
 # and that times the frequency [m/s], the direction's cosine and sine.
 WATER_COLUMNS = 10

@@ -1,4 +1,4 @@
-"""The current: a profile over depth, straight between its points and constant beyond them, with a factor in time."""
+"""The current: a profile over depth, straight between its points and constant beyond them."""
 
 from __future__ import annotations
 
@@ -64,26 +64,11 @@ class Current:
 
 
 def current_of(parameters: CableSimParameters) -> Current:
-    """Return the current of the parameters at the start of the run."""
-    profile = parameters.current_profile
-    factor = profile.factor[0] if profile.factor else 1.0
-    if not profile.depth:
-        return Current(factor * np.array(parameters.current))
-    return Current(factor * np.column_stack((profile.velocity_x, profile.velocity_y)), profile.depth)
-
-
-def profile_of(parameters: CableSimParameters) -> Array:
-    """Return the profile of the parameters, to be multiplied by the factor of `schedule_of`."""
+    """Return the current of the parameters."""
     profile = parameters.current_profile
     if not profile.depth:
-        return Current(parameters.current).profile
-    return Current(np.column_stack((profile.velocity_x, profile.velocity_y)), profile.depth).profile
-
-
-def schedule_of(parameters: CableSimParameters) -> Array:
-    """Return what the parameters multiply the current by: rows of time [s] and factor, straight between them."""
-    profile = parameters.current_profile
-    return np.array(list(zip(profile.time, profile.factor, strict=True)) or [(0.0, 1.0)])
+        return Current(parameters.current)
+    return Current(np.column_stack((profile.velocity_x, profile.velocity_y)), profile.depth)
 
 
 @inner_kernel

@@ -1,4 +1,4 @@
-"""Drag of moving water on a straight piece of cable (thesis 2.4), its derivatives, and its linear equivalent.
+"""Drag of moving water on a straight piece of cable (thesis 2.4), and its derivatives.
 
 With the flow u past the piece, u_t its part along the unit vector e and u_n the rest, the drag per metre is
 
@@ -98,24 +98,3 @@ def segment_drag(
             by_chord[i, j] += tangential * abs(slip) * (2.0 * tangent[i] * across[j] + slip * projector)
             by_chord[i, j] /= size
     return drag_force(normal, tangential, tangent, slip, across, speed)
-
-
-@kernel
-def linear_drag(chord: Array, flow: Vector, amplitude: float, normal: float, tangential: float, damping: Array) -> None:
-    """Fill the damping per unstretched length of small motion in a steady flow, shape (3, 3) [N s/m2].
-
-    Parameters
-    ----------
-    chord : from the piece's start to its end [m]
-    flow : steady water velocity [m/s]
-    amplitude : of the oscillating speed for which the quadratic drag is linearised, times HARMONIC_DRAG [m/s]; it
-        adds to the steady flow as the root of the sum of squares
-    normal, tangential : N and T [N s2/m3]
-    damping : out
-    """
-    tangent, _ = tangent_of(chord)
-    along, across, speed = resolve(tangent, flow[0], flow[1], flow[2])
-    fill_slope(
-        *(normal, tangential, tangent, math.hypot(along, 0.5 * amplitude), across, math.hypot(speed, amplitude)),
-        damping,
-    )

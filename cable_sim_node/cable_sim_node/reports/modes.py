@@ -1,4 +1,4 @@
-"""How unit and cable swing by themselves: natural periods, mode shapes, and the lengths at which a sea meets them."""
+"""How unit and cable heave by themselves: natural periods, mode shapes, and the lengths at which a sea meets them."""
 
 from __future__ import annotations
 
@@ -13,8 +13,7 @@ from scipy.optimize import brentq
 
 from cable_sim_node.errors import LinearisationError, StaticsError
 from cable_sim_node.line.dynamics import CableDynamics
-from cable_sim_node.line.linearised import LinearLine, LineResponse, linearise
-from cable_sim_node.parameters import CableSimParameters, CompensatorParameters, RopePathParameters, SeabedParameters
+from cable_sim_node.parameters import CableSimParameters, SeabedParameters
 from cable_sim_node.physics.seabed import clearance_of
 from cable_sim_node.physics.tension_law import overstrained_words
 from cable_sim_node.reports.report import columns, labelled_rows
@@ -24,9 +23,6 @@ from cable_sim_node.vertical.linear import ResonanceMap, mode_shape, natural_fre
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
-
-MOST_SEGMENTS = 100
-"""Segments of the line whose modes are sought: enough for the lowest dozens, few enough for dense matrices."""
 
 SHORTEST_SHARE = 0.05
 MAP_LENGTHS, MAP_PERIODS = 40, 120
@@ -47,17 +43,6 @@ class HeaveMode:
 
 
 @dataclass(frozen=True)
-class LineMode:
-    """A mode of the line in space with the boom tip held."""
-
-    period: float  # without damping [s]
-    damping_ratio: float  # of the mode by itself: its damping over twice its inertia and frequency [-]
-    direction: str  # "heave", or "sway" where most of it is horizontal
-    unit_share: float  # motion of the unit over the largest one of the line [-]
-    shape: Array  # displacements, largest 1, shape (N + 1, 3)
-
-
-@dataclass(frozen=True)
 class ModesReport:
     """Free and forced small motion of unit and cable."""
 
@@ -65,10 +50,6 @@ class ModesReport:
     amplitude: float  # of the boom tip, for which drag is linearised [m]
     sea_period: float  # at which the sea is evaluated [s]
     heave: tuple[HeaveMode, ...]  # modes of the exact axial bar
-    line: tuple[LineMode, ...]  # modes of the line in space, in its current
-    labels: Array  # unstretched length from the unit to the nodes of `line` [m]
-    is_stable: bool  # whether all free motion of the line dies out in its current
-    response: LineResponse  # of unit and top tension to motion of the boom tip, over frequency
     resonances: ResonanceMap  # motion of the unit over that of the boom tip, over length and frequency
     natural_periods: Array  # of the first heave mode at the lengths of `resonances` [s]
     critical_length: float | None  # length at which the first heave mode has `sea_period` [m]; None outside the map
@@ -82,24 +63,6 @@ class ModesReport:
             "amplitude_m": self.amplitude,
             "sea_period_s": self.sea_period,
             "heave_periods_s": [mode.period for mode in self.heave],
-            "line_modes": [
-                {
-                    "period_s": mode.period,
-                    "damping_ratio": mode.damping_ratio,
-                    "direction": mode.direction,
-                    "unit_share": mode.unit_share,
-                }
-                for mode in self.line
-            ],
-            "is_stable": self.is_stable,
-            "response": [
-                {
-                    "period_s": 2.0 * math.pi / float(omega),
-                    "heave": float(abs(unit[2, 2])),
-                    "sway": float(abs(unit[0, 0])),
-                }
-                for omega, unit in zip(self.response.omegas, self.response.unit, strict=True)
-            ],
             "resonance": [
                 {"length_m": float(length), "natural_period_s": float(period)}
                 for length, period in zip(self.resonances.lengths, self.natural_periods, strict=True)
@@ -115,55 +78,24 @@ class ModesReport:
         rows = [
             ("cable out", f"{self.length:g} m"),
             ("boom-tip amplitude for linear drag", f"{self.amplitude:g} m"),
-            ("free motion in this current", "dies out" if self.is_stable else "GROWS: the line is not stable"),
             (f"length in resonance with {self.sea_period:.4g} s", where),
             ("estimate EA/(w^2 (M + Ma))", f"{self.critical_estimate:.1f} m"),
         ]
         heave = columns(
             ("heave mode", "period s"), [(f"{i + 1}", f"{mode.period:.4g}") for i, mode in enumerate(self.heave)]
         )
-        line = columns(
-            ("line mode", "period s", "damping ratio", "motion", "unit's share"),
-            [
-                (
-                    f"{i + 1}",
-                    f"{mode.period:.4g}",
-                    f"{mode.damping_ratio:.3f}",
-                    mode.direction,
-                    f"{mode.unit_share:.3f}",
-                )
-                for i, mode in enumerate(self.line)
-            ],
-        )
         note = f"\n\nnot in the modes: {'; '.join(self.left_out)}" if self.left_out else ""
-        return f"{labelled_rows(rows)}\n\n{heave}\n\n{line}{note}"
+        return f"{labelled_rows(rows)}\n\n{heave}{note}"
 
     def draw(self, figure: Figure) -> None:
-        """Draw the mode shapes, and the unit's answer over period and over length, into `figure`."""
-        panels = figure.subplot_mosaic([["heave", "sway", "map"], ["answer", "answer", "map"]], width_ratios=(1, 1, 2))
-        heave, sway = panels["heave"], panels["sway"]
+        """Draw the mode shapes, and how the unit answers over period and length, into `figure`."""
+        shapes, answers = figure.subplots(1, 2, width_ratios=(1, 2))
         for mode in self.heave:
-            heave.plot(mode.shape, mode.labels, label=f"{mode.period:.3g} s")
-        for swing in self.line:
-            if swing.direction == "sway":
-                size = swing.shape @ _main_direction(swing.shape)
-                sway.plot(size / np.abs(size).max(), self.labels, label=f"{swing.period:.3g} s")
-        for axis, title in ((heave, "heave modes"), (sway, "sway modes")):
-            axis.set(xlabel="displacement, largest 1", ylabel="cable from the unit [m]", title=title)
-            axis.grid(alpha=0.3)
-            if axis.lines:
-                axis.legend(fontsize="x-small")
-        self._draw_answer(panels["answer"])
-        self._draw_map(figure, panels["map"])
-
-    def _draw_answer(self, axis: Axes) -> None:
-        periods = 2.0 * math.pi / self.response.omegas
-        for column, name in ((2, "heave"), (0, "sway along x")):
-            axis.semilogy(periods, np.abs(self.response.unit[:, column, column]), label=name)
-        axis.axvline(self.sea_period, color="0.5", linestyle=":", label=f"{self.sea_period:.4g} s")
-        axis.set(xlabel="period [s]", title=f"unit over boom tip, {self.length:g} m out")
-        axis.grid(alpha=0.3)
-        axis.legend(fontsize="x-small")
+            shapes.plot(mode.shape, mode.labels, label=f"{mode.period:.3g} s")
+        shapes.set(xlabel="displacement, largest 1", ylabel="cable from the unit [m]", title="heave modes")
+        shapes.grid(alpha=0.3)
+        shapes.legend(fontsize="x-small")
+        self._draw_map(figure, answers)
 
     def _draw_map(self, figure: Figure, axis: Axes) -> None:
         periods = 2.0 * math.pi / self.resonances.omegas
@@ -195,9 +127,8 @@ def modes_report(
     ----------
     parameters : of the plant, whose seabed must be below the unit; the report names what of it has no part in the modes
     sea_period : whose resonant length is sought [s]
-    amplitude : of the boom tip, at `sea_period` for the line and at every period for the map, for which drag is made
-        linear [m]
-    count : modes of heave; of the line twice as many, since most come in pairs across one another
+    amplitude : of the boom tip, for which drag is made linear [m]
+    count : modes of heave
     longest : greatest length of the map [m]; the parameters' length if None
     boom_tip : position [m], which matters in a current that changes with depth
 
@@ -213,8 +144,6 @@ def modes_report(
         raise LinearisationError("period, amplitude, longest length and number of modes must be positive")
     calm = _at_small_motion(parameters)
     _refuse_no_rest(calm, boom_tip)
-    speed = 2.0 * math.pi / sea_period * amplitude
-    line = linearise(_free(calm), boom_tip, speed_amplitude=speed)
 
     def axial_at(length: float) -> AxialLine:
         return axial_line(replace(calm, length=length), float(boom_tip[2]))
@@ -226,10 +155,6 @@ def modes_report(
         amplitude=amplitude,
         sea_period=sea_period,
         heave=_heave_modes(axial_at(parameters.length), parameters.length, count),
-        line=_line_modes(line, min(2 * count, len(line.mass) - 3)),
-        labels=line.labels,
-        is_stable=bool(line.poles().real.max() <= 0.0),
-        response=line.response(omegas),
         resonances=resonance_map(axial_at, lengths, omegas, amplitude=amplitude),
         natural_periods=np.array([_natural_period(axial_at, float(length)) for length in lengths]),
         critical_length=_critical_length(axial_at, sea_period, float(lengths[0]), longest),
@@ -240,7 +165,7 @@ def modes_report(
 
 def _refuse_no_rest(parameters: CableSimParameters, boom_tip: Sequence[float]) -> None:
     """Raise StaticsError or NoEquilibriumError for a line that does not hang under a `boom_tip`."""
-    free = CableDynamics(_free(parameters))
+    free = CableDynamics(replace(parameters, seabed=SeabedParameters()))
     free.start_at_equilibrium(boom_tip, 0.0)
     clearance_of(parameters, free.unit_position)
     strain = axial_line(parameters, float(np.asarray(boom_tip)[2])).static_strain(parameters.length)
@@ -258,30 +183,15 @@ def _at_small_motion(parameters: CableSimParameters) -> CableSimParameters:
     return replace(parameters, unit=replace(unit, added_mass=added, vertical_added_mass="given"))
 
 
-def _free(parameters: CableSimParameters) -> CableSimParameters:
-    """Return the `parameters` of a line that hangs freely, of a number of segments whose modes can be sought."""
-    return replace(
-        parameters,
-        segments=min(parameters.segments, MOST_SEGMENTS),
-        seabed=SeabedParameters(),
-        compensator=CompensatorParameters(),
-        rope_path=RopePathParameters(),
-        cable=replace(parameters.cable, bending_stiffness=0.0),
-    )
-
-
 def _left_out(parameters: CableSimParameters) -> tuple[str, ...]:
     """Return what of the `parameters` is set and has no part in the modes."""
-    cable, unit, path = parameters.cable, parameters.unit, parameters.rope_path
+    cable, unit = parameters.cable, parameters.unit
     given = {
         "cable.bending_stiffness": cable.bending_stiffness,
         "cable.loss_factor": cable.loss_factor,
         "compensator": parameters.compensator.stiffness,
-        "rope_path.friction": path.friction,
-        "rope_path.stiffness (in the heave modes and the map, not in the line modes)": path.stiffness,
+        "rope_path.friction": parameters.rope_path.friction,
         "unit.oscillation (its added mass at KC = 0 is, its drag is not)": unit.oscillation.kc,
-        "unit.near_seabed": unit.near_seabed.distance,
-        "unit.near_surface": unit.near_surface.distance,
     }
     return tuple(name for name, value in given.items() if value)
 
@@ -292,32 +202,6 @@ def _heave_modes(line: AxialLine, length: float, count: int) -> tuple[HeaveMode,
         labels, shape = mode_shape(line, length, float(omega))
         modes.append(HeaveMode(2.0 * math.pi / float(omega), labels, shape))
     return tuple(modes)
-
-
-def _line_modes(line: LinearLine, count: int) -> tuple[LineMode, ...]:
-    omegas, shapes = line.natural_frequencies(count)
-    modes = []
-    for omega, shape in zip(omegas, shapes, strict=True):
-        vector = shape.ravel()
-        inertia = float(vector @ line.mass @ vector)
-        damping = float(vector @ line.damping @ vector)
-        sizes = np.abs(shape).max(axis=0)
-        modes.append(
-            LineMode(
-                period=2.0 * math.pi / float(omega) if omega > 0.0 else math.inf,
-                damping_ratio=damping / (2.0 * float(omega) * inertia) if omega > 0.0 else math.inf,
-                direction="heave" if sizes[2] > max(sizes[0], sizes[1]) else "sway",
-                unit_share=float(np.linalg.norm(shape[0]) / np.linalg.norm(shape, axis=1).max()),
-                shape=shape,
-            )
-        )
-    return tuple(modes)
-
-
-def _main_direction(shape: Array) -> Array:
-    """Return the unit vector along which a mode moves most."""
-    largest = shape[int(np.argmax(np.linalg.norm(shape, axis=1)))]
-    return np.asarray(largest / np.linalg.norm(largest))
 
 
 def _natural_period(line_at: Callable[[float], AxialLine], length: float) -> float:

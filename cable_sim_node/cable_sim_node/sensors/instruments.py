@@ -68,7 +68,7 @@ class ImuParameters(SensorParameters):
     rate: float = parameter(20.0, "Hz", 1e-3, 10_000.0, "Samples per second.")
     noise: float = parameter(0.005, "m/s^2", 0.0, 100.0, "Standard deviation of white noise on each axis.")
     bias: float = parameter(0.0, "m/s^2", -100.0, 100.0, "Constant error on each axis.")
-    gyro_noise: float = parameter(0.0005, "rad/s", 0.0, 10.0, "Standard deviation of the turn-rate noise.")
+    gyro_noise: float = 0.0005  # standard deviation of the turn-rate noise [rad/s]
 
     def view(self, truth: SensorTruth) -> View:
         """See acceleration less gravity x, y, z [m/s^2] and the turn rate of a unit that does not turn [rad/s]."""
@@ -91,7 +91,7 @@ class UsblParameters(SensorParameters):
     latency: float = parameter(0.3, "s", 0.0, 600.0,
         "Processing time, from the arrival of the reply to the delivery of the reading.")  # fmt: skip
     noise: float = parameter(0.1, "m", 0.0, 1000.0, "Standard deviation on each axis at zero range.")
-    range_noise: float = parameter(0.003, "", 0.0, 1.0, "Standard deviation on each axis per slant range.")
+    range_noise: float = 0.003  # standard deviation on each axis per slant range [-]
     bias: float = parameter(0.0, "m", -1000.0, 1000.0, "Constant error on each axis.")
     sound_speed: float = 1500.0  # speed of sound [m/s]
 

@@ -67,20 +67,7 @@ class LinearPlant:
         payout_end: float,
         payout_rate_end: float,
     ) -> None:
-        """Integrate over an interval; boom tip and payout run as cubics through their values and rates at both ends.
-
-        Parameters
-        ----------
-        duration : [s], above 0
-        tip_start, tip_end : motion of the boom tip
-        payout_start, payout_rate_start : at the start [m], [m/s]; the payout must be the present one
-        payout_end, payout_rate_end : at the end [m], [m/s]
-
-        Raises
-        ------
-        BadMotionError
-            for numbers that are not finite, a duration that is not positive, and a payout that jumps.
-        """
+        """See `CableDynamics.advance`; the line always follows."""
         numbers = [duration, payout_start, payout_rate_start, payout_end, payout_rate_end]
         motions = [tip_start.position, tip_start.velocity, tip_end.position, tip_end.velocity]
         if duration <= 0.0 or not np.isfinite(numbers).all() or not np.isfinite(motions).all():
@@ -105,30 +92,12 @@ class LinearPlant:
         self._tip_acceleration = tip_end.acceleration.copy()
         self._payout = payout_end
 
-    @property
-    def unit_position(self) -> Array:
-        """Position of the unit [m], shape (3,)."""
-        rest = self._start_height - self._length - self._rest_stretch
-        return np.array([self._tip[0], self._tip[1], rest + self._state[0]])
-
-    @property
-    def unit_velocity(self) -> Array:
-        """Velocity of the unit [m/s], shape (3,)."""
-        return np.array([self._tip_velocity[0], self._tip_velocity[1], self._state[1]])
-
-    @property
-    def unit_acceleration(self) -> Array:
-        """Acceleration of the unit [m/s^2], shape (3,)."""
-        return np.array([self._tip_acceleration[0], self._tip_acceleration[1], self._acceleration])
-
     def unit_motion(self) -> tuple[Array, Array, Array]:
-        """Return `unit_position`, `unit_velocity` and `unit_acceleration`."""
-        return self.unit_position, self.unit_velocity, self.unit_acceleration
-
-    @property
-    def node_positions(self) -> Array:
-        """Positions of unit and boom tip [m], shape (2, 3)."""
-        return np.array([self.unit_position, self._tip])
+        """Return position [m], velocity [m/s] and acceleration [m/s^2] of the unit, shape (3,) each."""
+        rest = self._start_height - self._length - self._rest_stretch
+        position, velocity, acceleration = self._tip.copy(), self._tip_velocity.copy(), self._tip_acceleration.copy()
+        position[2], velocity[2], acceleration[2] = rest + self._state[0], self._state[1], self._acceleration
+        return position, velocity, acceleration
 
     @property
     def top_tension(self) -> float:
@@ -146,14 +115,9 @@ class LinearPlant:
         """Strain of a cable without weight under the top tension [-]."""
         return self.top_tension / (self._stiffness * self._length)
 
-    @property
-    def segment_tensions(self) -> Array:
-        """Tension of the one segment [N], shape (1,)."""
-        return np.array([self.top_tension])
-
     def nodes_and_tensions(self) -> tuple[Array, Array]:
-        """Return `node_positions` and `segment_tensions`."""
-        return self.node_positions, self.segment_tensions
+        """Return the positions of unit and boom tip [m], shape (2, 3), and the tension between them [N], shape (1,)."""
+        return np.array([self.unit_motion()[0], self._tip]), np.array([self.top_tension])
 
     @property
     def slack_segments(self) -> int:

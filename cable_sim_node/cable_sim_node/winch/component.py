@@ -50,7 +50,7 @@ from typing import NamedTuple
 from heave_node.interface.codes import WinchFault, WinchLimit, WinchRelease
 from heave_node.interface.faults import FaultSchedule, FaultyValues
 from heave_node.parameters import ParameterError
-from heave_node.sensing.quantisation import quantised
+from heave_node.sensing.view import quantised
 from heave_node.winch.fault_latch import FaultLatch
 from heave_node.winch.motion_supervision import DrumReading, MotionSupervision
 

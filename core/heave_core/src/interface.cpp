@@ -11,8 +11,8 @@ extern "C" {
 long long heave_core_layout() { return heave::LAYOUT; }
 
 long long heave_core_size(int structure) {
-    const int count = sizeof heave::RECORD_SIZES / sizeof *heave::RECORD_SIZES;
-    return structure >= 0 && structure < count ? heave::RECORD_SIZES[structure] : 0;
+    const int count = sizeof heave::STRUCTURE_SIZES / sizeof *heave::STRUCTURE_SIZES;
+    return structure >= 0 && structure < count ? heave::STRUCTURE_SIZES[structure] : 0;
 }
 
 // Begin: the brake is on, and nothing was read yet.

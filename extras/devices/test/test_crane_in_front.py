@@ -55,7 +55,7 @@ def run(behind, lift, end, start=0.0, source=None, swing=0.0):
         pose = CranePose(t, (0.0, math.pi / 2, 0.0, lift(t)), (0.0, 0.0, 0.0, rate))
         winch = WinchReading(t, behind.carried + swing * math.sin(t), 0.0, brake=False)
         alarms += source.step(tick, Measurements((MruReading(t, 0.0, 0.0),), winch=winch), (pose,)).alarms
-    return source, [alarm for alarm in alarms if alarm.code != "CRANE_POSE_USED"]
+    return source, [alarm for alarm in alarms if alarm.name != "CRANE_POSE_USED"]
 
 
 def smooth(height, duration):
@@ -81,7 +81,7 @@ def test_a_lift_within_the_share_is_made_up_for_to_the_centimetre(height):
 def test_a_lift_beyond_the_share_raises_one_alarm_waits_and_is_caught_up():
     behind = Behind(speed=0.4)
     _, alarms = run(behind, smooth(8.0, 12.0), 40.0)
-    assert [alarm.code for alarm in alarms] == ["CRANE_TOO_FAST"]
+    assert [alarm.name for alarm in alarms] == ["CRANE_TOO_FAST"]
     assert alarms[0].values["limit"] == 0.4
     assert max(behind.rates) == 0.4
     assert behind.carried == pytest.approx(8.0, abs=1e-3)
@@ -90,7 +90,7 @@ def test_a_lift_beyond_the_share_raises_one_alarm_waits_and_is_caught_up():
 def test_a_lift_towards_the_end_of_the_range_stops_where_compensation_keeps_its_room():
     behind = Behind(highest=3.0)
     _, alarms = run(behind, smooth(4.0, 30.0), 40.0, swing=1.0)
-    assert [alarm.code for alarm in alarms] == ["CRANE_BEYOND_RANGE"]
+    assert [alarm.name for alarm in alarms] == ["CRANE_BEYOND_RANGE"]
     assert (alarms[0].values["limit"], alarms[0].values["raise_or_lower"]) == (pytest.approx(2.0, abs=0.1), "raise")
     assert behind.carried <= 2.3
 

@@ -35,7 +35,7 @@ def watch_until(end, pose=slewing, step=0.1, rates=NAN, parameters=CRANE):
 
 
 def codes(watch):
-    return [alarm.code for alarm in watch.news()]
+    return [alarm.name for alarm in watch.news()]
 
 
 def test_joints_between_poses_go_on_at_rates_that_are_stated_or_taken_of_the_poses():
@@ -53,7 +53,7 @@ def test_a_stale_pose_is_held_and_told_once():
     for n in range(1, 60):
         watch.tick(3.0 + 0.05 * n)
     (alarm,) = watch.news()
-    assert alarm.code == "CRANE_POSE_STALE"
+    assert alarm.name == "CRANE_POSE_STALE"
     assert alarm.values["age"] == pytest.approx(1.05, abs=0.051)
     # the last rate goes on until it is stale, after 1 s
     assert watch.at(60.0)[0] == pytest.approx(slewing(4.05), abs=0.06 * RATE)
@@ -99,7 +99,7 @@ def test_a_joint_that_does_not_move_by_its_stated_rate_is_told_within_a_second_a
         stated = rate if now > 3.0 else RATE
         watch.take(now, CranePose(now, pose(now), (stated, 0.0, 0.0, 0.0)))
         watch.tick(now)
-        found |= {alarm.code: (now, alarm.values) for alarm in watch.news()}
+        found |= {alarm.name: (now, alarm.values) for alarm in watch.news()}
     assert set(found) == {"CRANE_POSE_USED", "CRANE_RATES_DISAGREE"}
     when, values = found["CRANE_RATES_DISAGREE"]
     assert 3.0 < when < 4.0
@@ -137,7 +137,7 @@ def test_each_fault_of_the_encoders_raises_its_alarm_in_time_and_moves_nothing(k
     for tick in range(1, 400):
         carry.carried(0.05 * tick, Measurements(mru=(MruReading(0.05 * tick, 0.0, 0.0),)), encoders.step(tick))
         for alarm in carry.pose.news():
-            told.setdefault(alarm.code, 0.05 * tick)
+            told.setdefault(alarm.name, 0.05 * tick)
         lifted.append(carry.lift(0.05 * tick)[0])
     first = next(name for name, when in told.items() if when >= begins - 1e-9)
     assert (first, told[first] - begins) == (code, pytest.approx(0.5 * within, abs=0.5 * within + 1e-6))

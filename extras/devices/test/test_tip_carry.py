@@ -140,7 +140,7 @@ def test_a_pose_for_a_crane_without_lengths_is_told_once_and_not_used():
     behind = WinchController(WinchControllerParameters(), tick_period=DT)
     source = CraneInFront(behind, DT)
     given, poses = delivered(1.0)
-    codes = [alarm.code for tick in (1, 2) for alarm in source.step(tick, given, poses).alarms]
+    codes = [alarm.name for tick in (1, 2) for alarm in source.step(tick, given, poses).alarms]
     assert [code for code in codes if code.startswith("CRANE")] == ["CRANE_LENGTHS_MISSING"]
     assert source.carry.place is None
     assert source.health() == {}
@@ -148,6 +148,6 @@ def test_a_pose_for_a_crane_without_lengths_is_told_once_and_not_used():
 
 def test_the_alarms_of_the_pose_are_those_of_the_tick():
     source = CraneInFront(WinchController(WinchControllerParameters(crane=CRANE), tick_period=DT), DT)
-    codes = [alarm.code for tick in range(1, 4) for alarm in source.step(tick, *delivered(tick * DT)).alarms]
+    codes = [alarm.name for tick in range(1, 4) for alarm in source.step(tick, *delivered(tick * DT)).alarms]
     assert codes == ["CRANE_POSE_USED"]
     assert source.health()["crane"][0]

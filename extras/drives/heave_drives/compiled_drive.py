@@ -5,12 +5,28 @@ from __future__ import annotations
 import abc
 import math
 from collections.abc import Mapping
+from dataclasses import dataclass
 
 import numpy as np
-from cable_sim_node.winch.drives.interface import DriveCommand, DriveEnergy, DriveState, check_step
+from cable_sim_node.winch.drives.interface import DriveCommand, DriveState, check_step
 from heave_node.interface.codes import WinchLimit
 
 from heave_drives.kernels.mechanics import FROM_LOAD, LOST, PAYOUT, RATE, STAGES, SUPPLIED, Order
+
+
+@dataclass(frozen=True)
+class DriveEnergy:
+    """Energy since the start [J]: what went in is what was lost and what is stored."""
+
+    supplied: float  # by the ship's supply, net [J]
+    from_load: float  # by the rope, the integral of tension times payout rate [J]
+    lost: float  # as heat, in motor, fluid, friction and brake [J]
+    stored: float  # kinetic, in compressed fluid and gas [J]; less what was stored at the start
+
+    @property
+    def imbalance(self) -> float:
+        """Energy that the books miss [J]; 0 but for the error of the integration."""
+        return self.supplied + self.from_load - self.lost - self.stored
 
 
 class CompiledDrive(abc.ABC):

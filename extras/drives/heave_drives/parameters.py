@@ -89,10 +89,10 @@ class ElectricParameters(Checked):
     motoring_power_limit: float = parameter(400e3, "W", 1.0, 1e9, "Largest motoring shaft power.")
     regeneration_power_limit: float = parameter(400e3, "W", 1.0, 1e9, "Largest braking shaft power.")
     torque_time_constant: float = 0.005  # time constant of the torque (current loop, field) [s]
-    copper_loss: float = parameter(10e3, "W", 0.0, 1e8, "Copper loss at torque_limit; proportional to torque^2.")
+    copper_loss: float = 10e3  # copper loss at torque_limit; proportional to torque^2 [W]
     reference_time: float = 0.05  # time constant with which the speed reference follows the set-point [s]
-    bandwidth: float = parameter(20.0, "rad/s", 0.1, 1000.0, "Gain of the speed loop, divided by mass.")
-    integral_time: float = parameter(0.3, "s", 1e-3, 1000.0, "Integral time of the speed loop.")
+    bandwidth: float = 20.0  # gain of the speed loop, divided by mass [rad/s]
+    integral_time: float = 0.3  # integral time of the speed loop [s]
     tension_feed_forward: float = 0.0  # fraction of the measured tension that is fed forward [-]
 
     @property
@@ -127,7 +127,7 @@ class PumpControlledParameters(Checked):
     motor_minimum: float = parameter(1.0, "", 0.05, 1.0,
         "Smallest displacement as a fraction of full displacement; 1 is a fixed-displacement motor.")  # fmt: skip
     motor_time_constant: float = 0.1  # time constant of the motors' displacement [s]
-    motor_efficiency: float = parameter(0.92, "", 0.05, 1.0, "eta: mechanical efficiency of motors and gear.")
+    motor_efficiency: float = 0.92  # eta: mechanical efficiency of motors and gear [-]
     is_passive: bool = True  # losses from efficiency act as friction; false: as a constant factor, as published
     pump_displacement: float = parameter(5e-5, "m^3/rad", 1e-9, 1.0,
         "D_p: displacement of all pumps together, at full swash.")  # fmt: skip
@@ -136,12 +136,12 @@ class PumpControlledParameters(Checked):
     swash_input_limit: float = 5.0  # largest input of the swash servo, as a fraction of full swash [-]
     bulk_modulus: float = 1.2e9  # k_b: bulk modulus of the fluid [Pa]
     line_volume: float = 2e-3  # V_c: volume of both lines together [m^3]
-    leakage: float = parameter(4e-11, "m^3/s/Pa", 0.0, 1e-6, "c: leakage of pump and motors per unit pressure.")
+    leakage: float = 4e-11  # c: leakage of pump and motors per unit pressure [m^3/s/Pa]
     relief_pressure: float = parameter(35e6, "Pa", 0.0, 1e9,
         "Pressure at which the relief valves open; 0: no relief valves.")  # fmt: skip
     power_limit: float = parameter(0.0, "W", 0.0, 1e9, "Largest hydraulic power of the pump; 0: no limit.")
-    gain: float = parameter(1.0, "", 0.0, 1e3, "k: gain of the speed loop, from speed error over v_full to swash.")
-    integral_time: float = parameter(0.3, "s", 1e-3, 1e3, "Integral time of the speed loop; unused if its gain is 0.")
+    gain: float = 1.0  # k: gain of the speed loop, from speed error over v_full to swash [-]
+    integral_time: float = 0.3  # integral time of the speed loop; unused if its gain is 0 [s]
 
     @property
     def full_speed(self) -> float:
@@ -173,7 +173,7 @@ class FluidParameters(Checked):
     bulk_modulus: float = 1.1e9  # bulk modulus of the oil alone [Pa]
     trapped_air: float = 0.005  # volume fraction of air, at atmospheric pressure [-]
     line_volume: float = 6e-4  # volume of each of the two lines, valve to motors [m^3]
-    leakage: float = parameter(1e-11, "m^3/s/Pa", 0.0, 1e-6, "Leakage of the motors per unit pressure difference.")
+    leakage: float = 1e-11  # leakage of the motors per unit pressure difference [m^3/s/Pa]
 
 
 @dataclass(frozen=True)
@@ -183,7 +183,7 @@ class ServoValveParameters(Checked):
     rated_flow: float = parameter(800.0 / 6e4, "m^3/s", 1e-6, 10.0, "Flow at the rated pressure drop, fully open.")
     rated_drop: float = 35e5  # rated pressure drop across one control edge [Pa]
     frequency: float = parameter(314.159, "rad/s", 1.0, 1e4, "Natural frequency of the spool.")
-    damping: float = parameter(1.0, "", 0.05, 5.0, "Damping ratio of the spool.")
+    damping: float = 1.0  # damping ratio of the spool [-]
     input_limit: float = 1.0  # largest spool set-point, as a fraction of full stroke [-]
     laminar_pressure: float = 5e4  # pressure drop below which the flow of an edge is linear in it [Pa]
 
@@ -224,11 +224,9 @@ class ValveControlledParameters(Checked):
     motor_inertia: float = parameter(0.01, "kg m^2", 1e-9, 1e5,
         "Inertia of all motors and everything that turns with them.")  # fmt: skip
     load_mass: float = 0.0  # mass moving rigidly with the rope [kg]; its weight is part of the tension
-    gain: float = parameter(0.1, "s/m", 0.0, 1e4,
-        "Gain of the speed loop: spool position (fraction of full) per speed error.")  # fmt: skip
-    feed_forward: float = parameter(1.0, "s/m", 0.0, 1e3,
-        "Feed-forward: spool position (fraction of full) per speed set-point.")  # fmt: skip
-    integral_time: float = parameter(0.01, "s", 1e-3, 1e9, "Integral time of the speed loop.")
+    gain: float = 0.1  # gain of the speed loop: spool position over full per speed error [s/m]
+    feed_forward: float = 1.0  # spool position over full per speed set-point [s/m]
+    integral_time: float = 0.01  # integral time of the speed loop [s]
 
     @property
     def area(self) -> float:

@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 
-from cable_sim_node.winch.drives.interface import Drive, DriveCommand, DriveEnergy, DriveState, check_step
+from cable_sim_node.winch.drives.interface import Drive, DriveCommand, DriveState, check_step
 from heave_node.interface.codes import WinchLimit
 
 PART = 0.01
@@ -35,11 +35,6 @@ class RampedDrive:
         self._gain = position_gain
         self._reference = 0.0
         self.state: DriveState = drive.state
-
-    @property
-    def energy(self) -> DriveEnergy:
-        """The books since the start."""
-        return self._drive.energy
 
     def instruments(self) -> Mapping[str, float]:
         """Return what the drive's own instruments read."""

@@ -36,7 +36,6 @@ LAYERS = SpoolParameters(drum_radius=0.4, turns_per_layer=3, rope_at_zero=60.0, 
 TENSION = 60e3
 
 DRIVES: dict[str, Callable[[], Drive]] = {
-    "speed servo": lambda: SpeedServo(WinchParameters(payout_minimum=-2.0, payout_maximum=2.0, speed_limit=1.2)),
     "electric": lambda: ElectricDrive(
         ElectricDriveParameters(motion=MOTION, spool=LAYERS, load_mass=3e3, motoring_power_limit=90e3), tension=TENSION
     ),
@@ -77,12 +76,13 @@ def test_what_goes_in_is_what_is_lost_and_stored_and_no_limit_is_passed(
     name: str, sequence: list[tuple[float, float, bool, int]]
 ) -> None:
     drive = DRIVES[name]()
+    books = drive._drive if isinstance(drive, RampedDrive) else drive
     passed, published = 1.0, name == "pump, published"
     for rate, tension, brake, ticks in sequence:
         for _ in range(ticks):
-            before = drive.energy
+            before = books.energy
             state = drive.step(DriveCommand(rate, brake=brake), TICK, tension)
-            after = drive.energy
+            after = books.energy
             passed += abs(after.supplied - before.supplied) + abs(after.from_load - before.from_load)
             passed += abs(after.lost - before.lost) + abs(after.stored - before.stored)
             if not published:
@@ -91,7 +91,7 @@ def test_what_goes_in_is_what_is_lost_and_stored_and_no_limit_is_passed(
                 assert after.lost >= before.lost - 1e-9 * passed
             _check_own_limits(name, drive, state.supply_power)
     # the electric drum's radius has corners between layers and turns, which cost the scheme its order there
-    assert abs(drive.energy.imbalance) < (2e-4 if name == "electric" else 1e-7) * passed
+    assert abs(books.energy.imbalance) < (2e-4 if name == "electric" else 1e-7) * passed
 
 
 def _check_own_limits(name: str, drive: Drive, supply_power: float) -> None:

@@ -15,7 +15,7 @@ from heave_node.interface.alarm import AlarmRow, Severity, alarms_in
 MOST = 200
 """Alarms that are kept; the oldest that has passed goes first."""
 
-ROWS: dict[str, AlarmRow] = {code: row for table in TABLES.values() for code, row in table.items()}
+ROWS: list[AlarmRow] = [row for table in TABLES.values() for row in table.values()]
 """Every alarm of the suite, by code."""
 
 
@@ -47,7 +47,9 @@ def alarms_of(trouble: Trouble) -> Iterator[Alarm]:
     node = trouble.part.partition(":")[0]
     for one in found:
         if one.severity > Severity.EVENT:
-            text, action = split_action(one.text, ROWS[one.code].action if one.code in ROWS else "")
+            splits = [split_action(one.text, row.action) for row in ROWS if row.code == one.code]
+            otherwise = splits[0] if len(splits) == 1 else (one.text, "")
+            text, action = next((split for split in splits if split[0] != one.text), otherwise)
             yield Alarm(f"{node} {one.code}", one.title, one.severity, text, action, one.time)
     if not found:
         severity = Severity.HIGH if trouble.is_error else Severity.MEDIUM

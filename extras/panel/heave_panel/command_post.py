@@ -1,13 +1,10 @@
-"""Who of the viewers of the page is in command: one at a time, handed over by asking."""
+"""Who of the viewers of the page is in command: one at a time; another takes over."""
 
 from __future__ import annotations
 
 from collections import Counter
 from dataclasses import dataclass, field
 from itertools import count
-
-ASKING_TIME = 30.0
-"""Wall time after which a request for the command that nobody answers lapses [s]."""
 
 
 @dataclass
@@ -16,8 +13,6 @@ class CommandPost:
 
     viewers: list[int] = field(default_factory=list)  # those that have the page open
     commander: int | None = None  # who is in command; None where nobody is
-    asking: int | None = None  # who asks for the command; None where nobody does
-    _asked_at: float = 0.0
     _numbers: count[int] = field(default_factory=lambda: count(1))
     _viewer_of: dict[str, int] = field(default_factory=dict)
     _pages: Counter[int] = field(default_factory=Counter)
@@ -43,46 +38,23 @@ class CommandPost:
             return False
         if viewer in self.viewers:
             self.viewers.remove(viewer)
-        if self.asking == viewer:
-            self.asking = None
-        was_commander = self.commander == viewer
-        if was_commander:
-            self.commander, self.asking = self.asking, None
-        return was_commander
+        return self.release(viewer)
 
-    def ask(self, viewer: int, now: float) -> None:
-        """Let a `viewer` ask for the command at a wall time `now` [s]; it has it at once where nobody is in command."""
-        if viewer not in self.viewers:
-            return
-        if self.commander is None:
-            self.commander, self.asking = viewer, None
-        elif viewer != self.commander and self.asking is None:
-            self.asking, self._asked_at = viewer, now
+    def take(self, viewer: int) -> int | None:
+        """Give the command to a `viewer`; return who was in command before."""
+        before = self.commander
+        if viewer in self.viewers:
+            self.commander = viewer
+        return before
 
-    def answer(self, viewer: int, *, hands_over: bool) -> None:
-        """Let the `viewer` in command answer the one that asks: it `hands_over`, or keeps the command."""
-        if viewer == self.commander and self.asking is not None:
-            if hands_over:
-                self.commander = self.asking
-            self.asking = None
-
-    def release(self, viewer: int) -> None:
-        """Let the `viewer` in command lay it down; who asks for it has it then."""
-        if viewer == self.commander:
-            self.commander, self.asking = self.asking, None
-
-    def lapse(self, now: float) -> None:
-        """Drop a request that nobody has answered in time, at a wall time `now` [s]."""
-        if self.asking is not None and now - self._asked_at > ASKING_TIME:
-            self.asking = None
+    def release(self, viewer: int) -> bool:
+        """Let a `viewer` lay the command down; return whether it had it."""
+        if viewer != self.commander:
+            return False
+        self.commander = None
+        return True
 
     def words(self, viewer: int) -> str:
         """Say to a `viewer` who is in command."""
-        watching = f"{len(self.viewers)} watching"
-        if self.commander is None:
-            return f"no viewer is in command; {watching}"
-        if self.commander == viewer:
-            asks = f"viewer {self.asking} asks for it; " if self.asking is not None else ""
-            return f"you are in command; {asks}{watching}"
-        asks = "; you have asked for it" if self.asking == viewer else ""
-        return f"viewer {self.commander} is in command{asks}; {watching}"
+        who = "no viewer is" if self.commander is None else f"viewer {self.commander} is"
+        return f"{'you are' if self.commander == viewer else who} in command; {len(self.viewers)} watching"

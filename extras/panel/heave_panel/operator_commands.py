@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
+from heave_bringup.operate.link import RunLink
 from heave_bringup.operate.moves import Lowering, MoveBy
 from heave_bringup.operate.requests import (
     NODE_OF_DEVICE,
@@ -16,16 +17,14 @@ from heave_bringup.operate.requests import (
     request_snapshot,
 )
 from heave_bringup.operate.situation import Situation
-from heave_bringup.operate.tasks import AnyOf, ClockTask, Link, Stop, Task
-from heave_node.interface.fault_kinds import FAULTS
+from heave_bringup.operate.tasks import AnyOf, ClockTask, Stop, Task
 
-INJECT = "inject"
 NUDGE = 0.1
 """Speed of the buttons that lower and lift [m/s]."""
 NUDGE_TIME = 1.0
 """Simulated time for which one push of them holds [s]."""
 
-Begin = Callable[[Link, str], Task]
+Begin = Callable[[RunLink, str], Task]
 
 
 @dataclass(frozen=True)
@@ -36,8 +35,6 @@ class Command:
     begin: Begin  # makes the task of what was typed
     question: str = ""  # for what is to be typed; "" where nothing is
     is_confirmed: bool = False  # asks before it begins: the winch moves, or stops moving
-    # raises ValueError, in words, for what was typed wrongly; nobody is asked whether that is meant
-    check: Callable[[str], object] = str
     # acts on what is simulated, or on the clock of a simulation; no part of operating a winch
     is_of_simulation: bool = False
 
@@ -53,43 +50,30 @@ def number(text: str, least: float = -math.inf, most: float = math.inf) -> float
     return value
 
 
-def fault_of(text: str) -> tuple[str, str, float, float]:
-    """Return device, kind, duration [s] and magnitude of DEVICE,KIND[,DURATION[,MAGNITUDE]].
-
-    Raises ValueError, in words, for a `text` that is no fault.
-    """
-    device, kind, *numbers = [*(word.strip() for word in text.split(",")), ""][: max(text.count(",") + 1, 2)]
-    if device not in NODE_OF_DEVICE:
-        raise ValueError(f"{device!r} is no device; devices are {', '.join(NODE_OF_DEVICE)}")
-    if kind not in FAULTS:
-        raise ValueError(f"{kind!r} is no kind of fault; kinds are {', '.join(FAULTS)}")
-    if len(numbers) > 2:
-        raise ValueError("a fault is DEVICE,KIND[,DURATION[,MAGNITUDE]]")
-    duration, magnitude = [*(number(word) for word in numbers), 0.0, 0.0][:2]
-    return device, kind, duration, magnitude
-
-
 def devices_of(situation: Situation) -> tuple[str, ...]:
     """Return the devices that can be given a fault in a `situation`; all of them while that is not known."""
     return tuple(NODE_OF_DEVICE) if situation.simulated is None else situation.simulated
 
 
-def _fault(link: Link, text: str) -> Task:
-    device, kind, duration, magnitude = fault_of(text)
+def inject(link: RunLink, device: str, kind: str, duration: float, magnitude: float) -> Task:
+    """Inject a fault of a `kind` into a `device`; raise ValueError, in words, where that is not simulated.
+
+    `duration` [s] 0: once, or until cleared; `magnitude` in the unit of the kind.
+    """
     simulated = devices_of(link.situation)
     if device not in simulated:
         raise ValueError(f"{device} is not simulated in this run; what is: {', '.join(simulated) or 'nothing'}")
     return link.start(request_fault(device, kind, duration, magnitude))
 
 
-def _clear(link: Link, _: str) -> Task:
+def _clear(link: RunLink, _: str) -> Task:
     simulated = devices_of(link.situation)
     if not simulated:
         raise ValueError("nothing is simulated in this run: there is no fault to clear")
     return AnyOf([link.start(request_fault(device, "clear")) for device in simulated])
 
 
-def _pause(link: Link, _: str) -> Task:
+def _pause(link: RunLink, _: str) -> Task:
     return ClockTask(link, is_paused=not link.situation.is_paused)
 
 
@@ -104,31 +88,21 @@ COMMANDS: tuple[Command, ...] = (
         lambda link, text: link.start_move(number(text), 0.0),
         "depth [m]",
         is_confirmed=True,
-        check=number,
     ),
     Command(
         "move by",
         lambda link, text: MoveBy(link, number(text), 0.0),
         "down by [m]",
         is_confirmed=True,
-        check=number,
     ),
     Command("lower", lambda link, _: Lowering(link, NUDGE, NUDGE_TIME)),
     Command("lift", lambda link, _: Lowering(link, -NUDGE, NUDGE_TIME)),
     Command("hold", lambda link, _: link.cancel_moves()),
     Command("factor", lambda link, text: link.start(request_factor(number(text, 0.0, 1.0))), "factor, 0 to 1"),
     Command("redesign", lambda link, _: link.start(request_redesign()), is_confirmed=True),
-    Command(
-        INJECT,
-        _fault,
-        "DEVICE,KIND[,DURATION[,MAGNITUDE]]",
-        is_confirmed=True,
-        check=fault_of,
-        is_of_simulation=True,
-    ),
     Command("clear faults", _clear, is_of_simulation=True),
     Command("pause", _pause, is_of_simulation=True),
     Command("step", lambda link, _: ClockTask(link, ticks=1), is_of_simulation=True),
     Command("snapshot", lambda link, _: link.start(request_snapshot())),
 )
-"""All buttons but the emergency stop."""
+"""All buttons but those of the emergency stop and of a fault."""

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import math
-import time
 from collections.abc import Callable, Iterable
 from functools import partial
 from typing import Any, NamedTuple
 
-from heave_bringup.operate.situation import Situation, mode_words, run_words
+from heave_bringup.operate.situation import mode_words, run_words
 from heave_bringup.operate.tasks import EmergencyStop
 from heave_node.interface.alarm import Severity
 from heave_node.interface.fault_kinds import FAULTS
@@ -17,8 +16,8 @@ from nicegui import ui
 from heave_panel.alarm_list import Alarm
 from heave_panel.command_post import CommandPost
 from heave_panel.history import HEAVE, LINES, TENSION, UNIT, WINCH
-from heave_panel.operator_commands import COMMANDS, INJECT, Command, devices_of
-from heave_panel.run_worker import Picture, RunWorker
+from heave_panel.operator_commands import COMMANDS, Command, devices_of, inject
+from heave_panel.run_worker import Begin, Picture, RunWorker
 
 PERIOD = 0.25
 """Wall time between two updates [s]."""
@@ -34,8 +33,8 @@ FIGURES = (
     "depth, est. [m]",
     "tension [kN]",
 )
-"""Key of the command for which the page has lists in the place of a line of text."""
 SHOWN_ALARMS, SHOWN_LOG = 30, 8
+SURE = "Sure? This acts on the winch or on its sensors."
 EFFICIENCY = "efficiency, last {minutes:.0f} min, est. [%]"
 BAR_LOOKS = ("text-sm", "text-lg font-bold", "heave-bad font-bold")
 
@@ -73,6 +72,10 @@ Emergency: press the button of the winch itself.</div>
 """
 
 
+Ask = Callable[[], Callable[[], tuple[Any, ...]]]
+"""Builds fields of a dialog, and returns what reads them."""
+
+
 class _Bar(NamedTuple):
     """Labels at the head: of the run, of the mode, and of what is wrong."""
 
@@ -100,7 +103,6 @@ class Page:
         self.viewer = 0
         self._beat = 0
         self._shown: dict[str, object] = {}
-        self._asked = False
         self._buttons: list[Any] = []
         ui.add_head_html(STYLE)
         ui.add_body_html(LOST)
@@ -115,7 +117,6 @@ class Page:
                 self._build_log()
             with ui.column().classes("lg:col-span-2 gap-3 w-full"):
                 self._build_charts()
-        self._build_handover()
         ui.timer(PERIOD, self.refresh)
 
     # what is there
@@ -158,11 +159,12 @@ class Page:
         with ui.element("section").classes("heave-box w-full"):
             with ui.row().classes("items-center justify-between w-full"):
                 self._command_words = ui.label().classes("text-sm grow")
-                self._take = ui.button("take command", on_click=self._take_or_ask).props("dense outline")
+                self._take = ui.button("take command", on_click=self._take_or_release).props("dense outline")
             self._build_buttons(command for command in COMMANDS if not command.is_of_simulation)
         with ui.element("section").classes("heave-box w-full"):
             ui.label("Simulation").classes("text-sm font-bold")
             self._build_buttons(command for command in COMMANDS if command.is_of_simulation)
+            self._buttons.append(ui.button("inject", on_click=self._open_fault).props("dense no-caps color=secondary"))
 
     def _build_buttons(self, commands: Iterable[Command]) -> None:
         with ui.element("div").classes("grid grid-cols-3 gap-2 mt-2 w-full"):
@@ -181,13 +183,6 @@ class Page:
             ui.label("What was requested").classes("font-bold")
             self._log = ui.column().classes("gap-0 w-full text-sm")
 
-    def _build_handover(self) -> None:
-        with ui.dialog().props("persistent") as self._handover, ui.card():
-            self._handover_words = ui.label()
-            with ui.row():
-                ui.button("hand over", on_click=lambda: self._answer(hands_over=True))
-                ui.button("keep it", on_click=lambda: self._answer(hands_over=False)).props("outline")
-
     # what is done
 
     def stop_at_once(self) -> None:
@@ -204,46 +199,89 @@ class Page:
         if self.viewer and self._post.leave(self.viewer):
             self._worker.let_go(self.viewer)
 
-    def _take_or_ask(self) -> None:
-        if self._post.commander == self.viewer:
+    def _take_or_release(self) -> None:
+        """Lay the command down, or take it; from another viewer after a question."""
+        other = self._post.commander
+        if other == self.viewer:
             self._post.release(self.viewer)
+        elif other is None:
+            self._post.take(self.viewer)
         else:
-            self._post.ask(self.viewer, time.monotonic())
+            self._confirm("take command", f"Viewer {other} is in command. Take it over?", self._take_over)
 
-    def _answer(self, *, hands_over: bool) -> None:
-        self._post.answer(self.viewer, hands_over=hands_over)
-        self._handover.close()
+    def _take_over(self) -> None:
+        before = self._post.take(self.viewer)
+        if before is not None:
+            self._worker.let_go(before)
 
-    def _begin(self, command: Command, text: str) -> None:
+    def _begin(self, name: str, begin: Begin) -> None:
         if self._post.commander != self.viewer:
             ui.notify("you are not in command", type="negative")
             return
-        self._worker.begin(f"{command.name} {text}".strip(), lambda link: command.begin(link, text), self.viewer)
+        self._worker.begin(name, begin, self.viewer)
+
+    def _may_not(self) -> bool:
+        """Return whether this viewer is not in command, and say so."""
+        if self._post.commander != self.viewer:
+            ui.notify("take command first", type="warning")
+        return self._post.commander != self.viewer
 
     def _open(self, command: Command) -> None:
         """Ask for what the command needs, and whether it is meant; begin at once what needs neither."""
-        if self._post.commander != self.viewer:
-            ui.notify("take command first", type="warning")
-        elif command.name == INJECT and not devices_of(self._worker.picture.situation):
-            ui.notify("nothing is simulated in this run: a fault can be injected nowhere", type="warning")
-        elif command.question or command.is_confirmed:
-            self._ask(command)
+        if self._may_not():
+            return
+
+        def begin(text: str = "") -> None:
+            self._begin(f"{command.name} {text}".strip(), lambda link: command.begin(link, text))
+
+        if command.question or command.is_confirmed:
+            words = SURE if command.is_confirmed else ""
+            self._confirm(command.name, words, begin, partial(_text, command.question) if command.question else None)
         else:
-            self._begin(command, "")
+            begin()
 
-    def _ask(self, command: Command) -> None:
+    def _open_fault(self) -> None:
+        """Ask for device, kind, duration and magnitude of a fault; only what is simulated is offered."""
+        devices = list(devices_of(self._worker.picture.situation))
+        if self._may_not():
+            return
+        if not devices:
+            ui.notify("nothing is simulated in this run: a fault can be injected nowhere", type="warning")
+            return
+
+        def begin(*fault: Any) -> None:
+            self._begin(f"inject {fault[0]} {fault[1]}", lambda link: inject(link, *fault))
+
+        self._confirm("inject", SURE, begin, partial(_fault, devices))
+
+    def _confirm(
+        self,
+        name: str,
+        words: str,
+        do: Callable[..., None],
+        ask: Callable[[], Callable[[], tuple[Any, ...]]] | None = None,
+    ) -> None:
+        """Ask whether something is meant before it is done.
+
+        Parameters
+        ----------
+        name : of what is done
+        words : the question; "": it is not asked
+        do : does it, with what was given
+        ask : builds the fields for what is to be given, and returns what reads them
+        """
         with ui.dialog(value=True) as dialog, ui.card().classes("min-w-72"):
-            ui.label(command.name).classes("text-lg font-bold")
-            text = _fault_fields(self._worker.picture.situation) if command.name == INJECT else _field(command)
-            if command.is_confirmed:
-                ui.label("Sure? This acts on the winch or on its sensors.").classes("text-sm")
+            ui.label(name).classes("text-lg font-bold")
+            given = ask() if ask else tuple
+            if words:
+                ui.label(words).classes("text-sm")
 
-            def do() -> None:
+            def begin() -> None:
                 dialog.close()
-                self._begin(command, text())
+                do(*given())
 
             with ui.row():
-                ui.button("yes, do it" if command.is_confirmed else "do it", on_click=do).classes("confirm")
+                ui.button("yes, do it" if words else "do it", on_click=begin).classes("confirm")
                 ui.button("leave it", on_click=dialog.close).props("outline")
         dialog.on("hide", dialog.delete)
 
@@ -254,7 +292,6 @@ class Page:
         picture = self._worker.picture
         self._beat += 1
         self._beating.text = str(self._beat)
-        self._post.lapse(time.monotonic())
         self._show_bar(picture)
         self._show_figures(picture)
         self._show_command(picture)
@@ -328,16 +365,9 @@ class Page:
         post = self._post
         is_mine = post.commander == self.viewer
         self._command_words.text = post.words(self.viewer)
-        self._take.text = "lay it down" if is_mine else "take command" if post.commander is None else "ask for it"
+        self._take.text = "lay it down" if is_mine else "take command"
         for button in self._buttons:
             button.set_enabled(is_mine and not picture.situation.is_over)
-        asks = is_mine and post.asking is not None
-        if asks and not self._asked:
-            self._handover_words.text = f"Viewer {post.asking} asks for the command."
-            self._handover.open()
-        elif not asks and self._asked:
-            self._handover.close()
-        self._asked = asks
 
     def _show_alarms(self, picture: Picture) -> None:
         shown = (picture.alarms, self._post.commander == self.viewer)
@@ -427,22 +457,16 @@ def _chart(title: str, numbers: list[int]) -> dict[str, Any]:
     }
 
 
-def _field(command: Command) -> Callable[[], str]:
-    """Ask for the text of a command where it needs one; return what gives it."""
-    if not command.question:
-        return lambda: ""
-    given = ui.input(command.question).props("autofocus")
-    return lambda: str(given.value or "").strip()
+def _text(question: str) -> Callable[[], tuple[str]]:
+    """Ask a `question` that a line of text answers; return what reads it."""
+    given = ui.input(question).props("autofocus")
+    return lambda: (str(given.value or "").strip(),)
 
 
-def _fault_fields(situation: Situation) -> Callable[[], str]:
-    """Ask for device, kind, duration and magnitude of a fault; return what gives them as the screen takes them.
-
-    Only what is simulated in the `situation` is offered.
-    """
-    devices = list(devices_of(situation))
+def _fault(devices: list[str]) -> Callable[[], tuple[str, str, float, float]]:
+    """Ask for one of the `devices`, and kind, duration [s] and magnitude of a fault; return what reads them."""
     device = ui.select(devices, label="device", value=devices[0]).classes("w-full")
     kind = ui.select([kind for kind in FAULTS if kind != "clear"], label="kind", value="freeze").classes("w-full")
     duration = ui.number("duration [s], 0: once, or until cleared", value=0.0, min=0.0).classes("w-full")
     magnitude = ui.number("magnitude, in the unit of the kind", value=0.0).classes("w-full")
-    return lambda: f"{device.value},{kind.value},{duration.value or 0.0:g},{magnitude.value or 0.0:g}"
+    return lambda: (str(device.value), str(kind.value), duration.value or 0.0, magnitude.value or 0.0)

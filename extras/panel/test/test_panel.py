@@ -12,11 +12,11 @@ from heave_bringup.operate.situation import ControllerStatus, Figures, RunStatus
 from heave_bringup.operate.tasks import EmergencyStop
 from heave_node.interface.alarm import Severity
 from heave_panel.alarm_list import AlarmList, alarms_of
-from heave_panel.command_post import ASKING_TIME, CommandPost
+from heave_panel.command_post import CommandPost
 from heave_panel.efficiency import Efficiency
 from heave_panel.guard import COOKIE, Guard, is_loopback
 from heave_panel.history import LENGTH, LINES, History
-from heave_panel.operator_commands import COMMANDS, INJECT
+from heave_panel.operator_commands import COMMANDS, inject
 from heave_panel.run_worker import RunWorker
 from heave_panel.server import LARGEST_WAITING, leave_oldest
 from hypothesis import given
@@ -28,38 +28,17 @@ from bringup.test.operate_fakes import FakeLink, Given
 # who is in command
 
 
-def test_the_command_is_free_to_take_and_then_handed_over_by_asking():
+def test_the_command_is_free_to_take_or_taken_over_and_lost_with_who_leaves():
     post = CommandPost()
     first, second = post.join(), post.join()
     assert post.commander is None
-    post.ask(first, 0.0)
-    post.ask(second, 1.0)
-    assert (post.commander, post.asking) == (first, second)
-    post.answer(second, hands_over=True)
-    assert post.commander == first, "only who has the command can give it away"
-    post.answer(first, hands_over=True)
-    assert (post.commander, post.asking) == (second, None)
-
-
-def test_a_request_for_the_command_can_be_refused_and_lapses():
-    post = CommandPost()
-    first, second = post.join(), post.join()
-    post.ask(first, 0.0)
-    post.ask(second, 0.0)
-    post.answer(first, hands_over=False)
-    assert (post.commander, post.asking) == (first, None)
-    post.ask(second, 1.0)
-    post.lapse(1.0 + ASKING_TIME + 0.1)
-    assert (post.commander, post.asking) == (first, None)
-
-
-def test_who_leaves_leaves_the_command_to_whoever_asks_for_it():
-    post = CommandPost()
-    first, second = post.join(), post.join()
-    post.ask(first, 0.0)
-    post.ask(second, 0.0)
-    assert post.leave(first)
+    assert post.take(first) is None
+    assert post.take(second) == first
+    assert not post.release(first), "only who has the command can lay it down"
     assert post.commander == second
+    assert "viewer 2 is in command" in post.words(first)
+    assert "you are in command; 2 watching" in post.words(second)
+    assert not post.leave(first)
     assert post.leave(second)
     assert post.commander is None
 
@@ -67,7 +46,7 @@ def test_who_leaves_leaves_the_command_to_whoever_asks_for_it():
 def test_a_page_that_is_loaded_again_is_the_same_viewer_and_keeps_the_command():
     post = CommandPost()
     first = post.join("tab")
-    post.ask(first, 0.0)
+    post.take(first)
     assert post.join("tab") == first
     assert not post.leave(first), "the page of before is gone, the one of now is not"
     assert post.commander == first
@@ -75,7 +54,7 @@ def test_a_page_that_is_loaded_again_is_the_same_viewer_and_keeps_the_command():
     assert post.join("tab") != first, "who comes back later begins anew"
 
 
-@given(st.lists(st.tuples(st.sampled_from(["join", "leave", "ask", "give", "keep", "release"]), st.integers(1, 5))))
+@given(st.lists(st.tuples(st.sampled_from(["join", "leave", "take", "release"]), st.integers(1, 5))))
 def test_whatever_viewers_do_at_most_one_of_those_present_is_in_command(steps):
     post = CommandPost()
     for step, viewer in steps:
@@ -83,14 +62,11 @@ def test_whatever_viewers_do_at_most_one_of_those_present_is_in_command(steps):
             post.join()
         elif step == "leave":
             post.leave(viewer)
-        elif step == "ask":
-            post.ask(viewer, 0.0)
-        elif step == "release":
-            post.release(viewer)
+        elif step == "take":
+            post.take(viewer)
         else:
-            post.answer(viewer, hands_over=step == "give")
-        assert {post.commander, post.asking} - {None} <= set(post.viewers)
-        assert post.asking is None or post.asking != post.commander
+            post.release(viewer)
+        assert {post.commander} - {None} <= set(post.viewers)
 
 
 # alarms
@@ -98,17 +74,17 @@ def test_whatever_viewers_do_at_most_one_of_those_present_is_in_command(steps):
 
 FROZEN = Trouble(
     "winch_controller: sensor mru",
-    "MRU_FROZEN (high): readings do not change. Compensation fades out. Restart the sensor and its driver.",
+    "SENSOR_LOST, MRU (high): readings do not change. Compensation fades out. Restart the sensor and its driver.",
     is_error=True,
 )
-KEY = "winch_controller MRU_FROZEN"
+KEY = "winch_controller SENSOR_LOST, MRU"
 
 
 def test_an_alarm_has_severity_time_text_and_action():
     alarms = AlarmList()
     alarms.note(10.0, {FROZEN.part: FROZEN})
     (alarm,) = alarms.alarms
-    assert (alarm.key, alarm.title, alarm.severity, alarm.since) == (KEY, "MRU FROZEN", Severity.HIGH, 10.0)
+    assert (alarm.key, alarm.title, alarm.severity, alarm.since) == (KEY, "SENSOR LOST, MRU", Severity.HIGH, 10.0)
     assert alarm.action == "Restart the sensor and its driver"
     assert alarm.text == "readings do not change. Compensation fades out."
 
@@ -152,7 +128,7 @@ def test_what_two_parts_report_is_one_alarm_and_an_event_is_none():
     told = Trouble("winch_controller: alarms", message, is_error=False)
     alarms = AlarmList()
     alarms.note(10.0, {told.part: told, FROZEN.part: FROZEN})
-    assert [alarm.title for alarm in alarms.alarms] == ["MRU FROZEN", "CABLE SLACK"]
+    assert [alarm.title for alarm in alarms.alarms] == ["SENSOR LOST, MRU", "CABLE SLACK"]
     alarms.note(11.0, {FROZEN.part: FROZEN})
     assert [alarm.is_active for alarm in alarms.alarms] == [True, False]
 
@@ -411,8 +387,6 @@ def test_what_is_typed_wrongly_is_refused_in_words():
         ("factor", "two", "'two' is no number"),
         ("factor", "2", "2: must be from 0 to 1"),
         ("depth", "nan", "nan: must be from"),
-        (INJECT, "whale,freeze", "'whale' is no device; devices are mru,"),
-        (INJECT, "mru,blue", "'blue' is no kind"),
     ):
         with pytest.raises(ValueError, match=words):
             by_name[name].begin(link, text)
@@ -421,12 +395,12 @@ def test_what_is_typed_wrongly_is_refused_in_words():
 
 def test_faults_are_injected_into_and_cleared_from_what_is_simulated_alone():
     link, by_name = FakeLink(), {command.name: command for command in COMMANDS}
-    by_name[INJECT].begin(link, "mru,jump,10,0.5")
+    inject(link, "mru", "jump", 10.0, 0.5)
     (request,) = link.requests
     assert (request.message.device, request.message.kind, request.message.duration) == ("mru", "jump", 10.0)
     link.situation.simulated = ("mru", "depth")
     with pytest.raises(ValueError, match="winch is not simulated in this run; what is: mru, depth"):
-        by_name[INJECT].begin(link, "winch,drive")
+        inject(link, "winch", "drive", 0.0, 0.0)
     by_name["clear faults"].begin(link, "")
     assert link.asked[-2:] == ["wave_vessel/inject_fault", "cable_sim/inject_fault"]
     link.situation.simulated = ()

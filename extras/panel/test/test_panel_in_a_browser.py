@@ -85,9 +85,9 @@ def test_two_viewers_operate_a_run_in_turns_and_a_dead_panel_is_seen_at_once_and
             time.sleep(0.5)
         first.wait("!document.body.innerText.includes('MRU FROZEN (over)')")
 
-        second.click("ask for it")
-        first.wait_for("Viewer 2 asks for the command.")
-        first.click("hand over")
+        second.click("take command")
+        second.wait_for("Viewer 1 is in command. Take it over?")
+        second.click("yes, do it")
         second.wait_for("you are in command")
         second.click("compensate")
         second.click("yes, do it")

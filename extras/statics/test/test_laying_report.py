@@ -13,7 +13,7 @@ WEIGHT = PLANT.cable.weight_in_fluid(1025.0)
 
 @pytest.mark.parametrize("height", [0.0, 20.0])
 def test_without_a_current_the_cable_is_zajacs_straight_line(height):
-    (laid,) = laying_report(PLANT, 280.0, [1.5], boom_tip_height=height).lays
+    (laid,) = laying_report(PLANT, 280.0, [1.5], boom_tip_height=height).rows
     angle = laid.critical_angle
     # normal drag carries the weight across the cable (Zajac)
     assert WEIGHT * math.cos(angle) == pytest.approx(0.5 * 1025.0 * 1.2 * 0.047 * (1.5 * math.sin(angle)) ** 2)
@@ -39,7 +39,7 @@ def test_a_cable_that_lands_with_tension_follows_zajacs_equation():
 
     surface.terminal = True
     answer = solve_ivp(slope, (0.0, 5000.0), [0.0, 0.0, 0.0, bottom_tension], events=surface, rtol=1e-10, atol=1e-8)
-    (laid,) = laying_report(PLANT, depth, [speed], bottom_tension=bottom_tension).lays
+    (laid,) = laying_report(PLANT, depth, [speed], bottom_tension=bottom_tension).rows
     assert laid.behind == pytest.approx(answer.y[0, -1], rel=1e-4)
     assert laid.laying.suspended_length == pytest.approx(answer.t[-1], rel=1e-4)
     assert laid.laying.departure_angle == pytest.approx(answer.y[2, -1], rel=1e-4)
@@ -47,7 +47,7 @@ def test_a_cable_that_lands_with_tension_follows_zajacs_equation():
 
 
 def test_a_cable_that_lands_with_a_trace_of_tension_is_laid_as_one_without():
-    free, trace = (laying_report(PLANT, 280.0, [1.5], bottom_tension=t).lays[0] for t in (0.0, 5.0))
+    free, trace = (laying_report(PLANT, 280.0, [1.5], bottom_tension=t).rows[0] for t in (0.0, 5.0))
     assert trace.behind == pytest.approx(free.behind, abs=1.0)
     assert trace.laying.departure_angle == pytest.approx(free.laying.departure_angle, rel=1e-4)
 
@@ -56,8 +56,8 @@ def test_a_cable_that_lands_with_a_trace_of_tension_is_laid_as_one_without():
 def test_a_current_from_starboard_carries_the_touchdown_to_port(degrees):
     course = math.radians(degrees)
     to_port = (-0.3 * math.sin(course), 0.3 * math.cos(course))
-    (laid,) = laying_report(dataclasses.replace(PLANT, current=to_port), 280.0, [1.0], course=course).lays
-    (still,) = laying_report(PLANT, 280.0, [1.0], course=course).lays
+    (laid,) = laying_report(dataclasses.replace(PLANT, current=to_port), 280.0, [1.0], course=course).rows
+    (still,) = laying_report(PLANT, 280.0, [1.0], course=course).rows
     assert laid.sideways > 10.0
     assert still.sideways == pytest.approx(0.0, abs=1e-6)
 
@@ -70,14 +70,14 @@ def test_table_and_values_name_every_speed():
 
 def test_on_a_slope_the_payout_is_what_covers_it():
     """Zajac: V cos((a + b)/2)/cos((a - b)/2); steeper than the cable hangs: refused."""
-    (up,), (flat,), (down,) = (laying_report(PLANT, 280.0, [1.5], rise=rise).lays for rise in (0.1, 0.0, -0.1))
+    (up,), (flat,), (down,) = (laying_report(PLANT, 280.0, [1.5], rise=rise).rows for rise in (0.1, 0.0, -0.1))
     rise = math.atan(0.1)
     assert up.payout == pytest.approx(
         1.5 * math.cos(0.5 * (up.critical_angle + rise)) / math.cos(0.5 * (up.critical_angle - rise))
     )
     assert flat.payout == pytest.approx(1.5)
     assert up.payout < flat.payout < down.payout
-    (given,) = laying_report(PLANT, 280.0, [1.5], rise=2.0, payout_speed=1.4).lays
+    (given,) = laying_report(PLANT, 280.0, [1.5], rise=2.0, payout_speed=1.4).rows
     assert given.payout == 1.4
     with pytest.raises(StaticsError, match=r"at 1\.5 m/s: it would span the foot of the slope; lay more slowly"):
         laying_report(PLANT, 280.0, [1.5], rise=2.0)

@@ -142,7 +142,7 @@ def test_a_move_is_no_heave(counted_metre):
 
 @pytest.mark.parametrize(("when", "is_alarmed"), [(140.0, True), (10.0, False), (380.0, False)])
 def test_an_alarm_comes_before_a_minute_at_one_and_a_half_is_over(when, is_alarmed):
-    alarms = [(when, "UNIT_SWING_HIGH (high): x."), (120.0, "SEA_MODEL_UPDATED (event): peak period 9.0 s (was 8.0).")]
+    alarms = [(when, "WORSE_THAN_OFF (high): x."), (120.0, "SEA_MODEL_UPDATED (event): peak period 9.0 s (was 8.0).")]
     found = judged(CASE, record_of(lambda time: 3.0 if time > 130.0 else 0.2, alarms=alarms))
     assert found.worst == pytest.approx(3.0)
     assert found.is_alarmed is is_alarmed
@@ -176,27 +176,27 @@ def test_giving_up_is_counted_and_losing_is_told_apart_from_a_stop_that_is_reque
 @pytest.mark.parametrize(
     ("words", "parts"),
     [
-        ("MRU_HIGH_PASS (low): x.", {("mru",)}),
-        ("DEPTH_FROZEN (medium): x.", {("depth",)}),
-        ("MRU_SCALE_ERROR (medium): reads 0.85 times the motion.", {("mru",)}),
+        ("IDENTIFIED, MRU (event): x.", {("mru",)}),
+        ("SENSOR_LOST, DEPTH (medium): x.", {("depth",)}),
+        ("IDENTIFIED, MRU (event): reads 0.85 times the motion.", {("mru",)}),
         ("WINCH_MODEL_UPDATED (event): gain by the encoder 1.117 (was 1.000)", {("winch", "encoder")}),
         (
             "WINCH_MODEL_UPDATED (event): time constant 0.115 s (was 0.150), gain by the encoder 1.1 (was 1.0)",
             {("winch",)},
         ),
-        ("DEPTH_NOISE_HIGH (low): noise of unit_heave is 0.1, 5.0 times nominal.", {("depth",)}),
-        ("ENCODER_NOMINAL (event): confirmed nominal.", set()),
+        ("SENSOR_DOUBTFUL, DEPTH (low): noise of unit_heave is 0.1, 5.0 times nominal.", {("depth",)}),
+        ("NOMINAL, ENCODER (event): confirmed nominal.", set()),
         ("SEA_MODEL_UPDATED (event): peak period 9.0 s (was 8.0).", set()),
     ],
 )
 def test_findings_are_read_from_words(words, parts):
     assert {one.parts for one in findings_of([(100.0, words)])} == parts
-    is_news = words.startswith(("SEA_MODEL_UPDATED", "ENCODER_NOMINAL"))
+    is_news = words.startswith(("SEA_MODEL_UPDATED", "NOMINAL, ENCODER"))
     assert warnings_of([(100.0, words)]) == ([] if is_news else [100.0])
 
 
 def test_a_finding_is_wrong_where_it_blames_what_does_not_differ():
-    alarms = [(90.0, "MRU_DELAYED (medium): x."), (95.0, "DEPTH_EXCLUDED (medium): x.")]
+    alarms = [(90.0, "IDENTIFIED, MRU (event): x."), (95.0, "SENSOR_LOST, DEPTH (medium): x.")]
     found = judged(CASE, record_of(lambda _: 0.2, alarms=alarms))
     assert (found.right, found.wrong) == ((f"90 s: {alarms[0][1]}",), (f"95 s: {alarms[1][1]}",))
 
@@ -236,7 +236,7 @@ def test_the_table_counts_what_was_drawn():
         ("few", [*96 * [0.5], *4 * [1.1]], {}, ["96.0 % within 1.05, promised 97 %"]),
         ("few", [*99 * [0.5], 1.3], {}, ["99.0 % within 1.2, promised 99.5 %"]),
         ("few", [0.5], {"is_lost": True}, ["1 lost"]),
-        ("few", [0.5], {"wrong": "DEPTH_EXCLUDED"}, ["1 with a healthy part blamed"]),
+        ("few", [0.5], {"wrong": "SENSOR_LOST, DEPTH: excluded"}, ["1 with a healthy part blamed"]),
         ("few", [0.5], {"told": 0.6}, ["median efficiency 0.500, informed 0.600"]),
         ("stacked", [*85 * [0.5], *12 * [1.4], *3 * [2.0]], {"wrong": "x"}, []),
         ("stacked", [*84 * [0.5], *16 * [1.4]], {}, ["84.0 % within 1.05, promised 85 %"]),

@@ -83,9 +83,9 @@ def test_why_a_case_was_lost_is_when_compensation_ended_and_the_alarm_before():
     whole = record_of([off, on, on, on, on, on], [])
     assert lost_because(whole, scenario, kpis) == ""
     assert "more than uncompensated" in lost_because(whole, scenario, {**kpis, "unit_sigma_m": 0.3})
-    ended = record_of([off, on, on, on, "fade_out", on], [(1.0, "FIRST"), (4.0, "MRU_FROZEN"), (5.0, "LATER")])
+    ended = record_of([off, on, on, on, "fade_out", on], [(1.0, "FIRST"), (4.0, "SENSOR_LOST, MRU"), (5.0, "LATER")])
     assert lost_because(ended, scenario, kpis) == (
-        "compensation ended at 4.00 s (mode fade_out), active 66.7 % of the time: MRU_FROZEN (high): words."
+        "compensation ended at 4.00 s (mode fade_out), active 66.7 % of the time: SENSOR_LOST, MRU (high): words."
     )
     never = record_of([off] * 6, [(2.0, "SEA_ABOVE_WINCH")])
     assert lost_because(never, scenario, kpis) == (

@@ -40,7 +40,7 @@ def record(alarms, modes):
 
 
 def test_a_minute_is_silent_where_nothing_came_in_it_or_in_the_minute_before():
-    one = record([(150.0, "MRU_STALE", {"age": 1.0, "limit": 0.15})], [(20, 30, "fade_out")])
+    one = record([(150.0, "SENSOR_LOST, MRU: stale", {"age": 1.0, "limit": 0.15})], [(20, 30, "fade_out")])
     starts = np.arange(0.0, 240.0)
     found = starts[silent(one, starts)]
     # not while the mode rests to 29 s; not where the minute or the one before holds 150 s

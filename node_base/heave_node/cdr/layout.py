@@ -14,38 +14,17 @@ import numpy as np
 SEPARATOR = "=" * 80
 """The line of a `ros2msg` schema after which the next type follows."""
 
-NUMPY_TYPES = {
-    "bool": "?",
-    "byte": "u1",
-    "char": "u1",
-    "uint8": "u1",
-    "int8": "i1",
-    "uint16": "u2",
-    "int16": "i2",
-    "uint32": "u4",
-    "int32": "i4",
-    "uint64": "u8",
-    "int64": "i8",
-    "float32": "f4",
-    "float64": "f8",
-}
+_NUMBERS = (
+    *(("bool", "?", "?"), ("byte", "u1", "B"), ("char", "u1", "B"), ("uint8", "u1", "B"), ("int8", "i1", "b")),
+    *(("uint16", "u2", "H"), ("int16", "i2", "h"), ("uint32", "u4", "I"), ("int32", "i4", "i")),
+    *(("uint64", "u8", "Q"), ("int64", "i8", "q"), ("float32", "f4", "f"), ("float64", "f8", "d")),
+)
+NUMPY_TYPES = {name: dtype for name, dtype, _ in _NUMBERS}
+"""Types of numpy, by those of a definition."""
+STRUCT_CODES = {dtype: code for _, dtype, code in _NUMBERS}
+"""Codes of `struct`, by types of numpy."""
 
 PRIMITIVES = frozenset((*NUMPY_TYPES, "string", "wstring"))
-
-STRUCT_CODES = {
-    "?": "?",
-    "u1": "B",
-    "i1": "b",
-    "u2": "H",
-    "i2": "h",
-    "u4": "I",
-    "i4": "i",
-    "u8": "Q",
-    "i8": "q",
-    "f4": "f",
-    "f8": "d",
-}
-"""Codes of `struct` for the same types."""
 
 LITTLE_ENDIAN = b"\x00\x01\x00\x00"
 """Encapsulation header at the start of a message."""
@@ -224,11 +203,7 @@ class _Walker:
 
 
 class MessageLayouts:
-    """Works out the layouts of messages of one type.
-
-    Parameters
-    ----------
-    name, text : the type and its `ros2msg` schema
+    """Works out the layouts of messages of the type `name` with the `ros2msg` schema `text`.
 
     Raises LayoutError if the schema lacks a type that it uses, or nests types too deeply or without an end.
     """

@@ -24,9 +24,7 @@ _TIMES = ("builtin_interfaces/Time", "builtin_interfaces/Duration")
 class _Format:
     """The format of a struct as it grows, with the padding that CDR wants: a number begins at a multiple of its size.
 
-    Parameters
-    ----------
-    lengths : of the texts and sequences of a message, in order
+    `lengths` are those of the texts and sequences of a message, in order.
     """
 
     def __init__(self, lengths: Sequence[int]) -> None:

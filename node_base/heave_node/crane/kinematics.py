@@ -64,12 +64,7 @@ class TipPlace(NamedTuple):
 
 
 class Crane:
-    """Kinematics of the boom tip.
-
-    Parameters
-    ----------
-    parameters : lengths and reference pose
-    """
+    """Kinematics of the boom tip of a crane with these `parameters`."""
 
     def __init__(self, parameters: CraneParameters) -> None:
         self._parameters = parameters

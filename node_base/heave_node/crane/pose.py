@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from functools import cache
 from typing import NamedTuple
 
+from heave_node.cdr.packer import Packer
 from heave_node.crane.kinematics import JOINTS
+from heave_node.interface import topics
 from heave_node.interface.sensors import WireReading
 
 RATES = tuple(f"{joint}_rate" for joint in JOINTS)
@@ -50,3 +53,13 @@ def moved(joints: Sequence[float], rates: Sequence[float], elapsed: float) -> tu
     elapsed : [s]; may be negative
     """
     return tuple(joint + rate * elapsed for joint, rate in zip(joints, rates, strict=True))
+
+
+@cache
+def _packer() -> Packer:
+    return Packer(topics.CRANE_POSE.type, ("header.stamp", *POSE_FIELDS), {"header.frame_id": "vessel"})
+
+
+def pose_message(reading: WireReading) -> bytes:
+    """Return the message heave_msgs/CranePose that carries a `reading` of POSE_FIELDS."""
+    return _packer().pack(reading.stamp, *reading.numbers)

@@ -23,61 +23,14 @@ _TIME = re.compile(
     r"\d[\d:./\-]*[:/\-][\d:./\-,T Z+]*\d\d?( ?[AP]M)?( ?(UTC|GMT))?( ?[Z+-][\d:]*)?|[+-]?(nan|inf)", re.IGNORECASE
 )
 _UNITS = frozenset(
-    [
-        "s",
-        "ms",
-        "us",
-        "sec",
-        "secs",
-        "second",
-        "seconds",
-        "min",
-        "mins",
-        "minutes",
-        "h",
-        "hr",
-        "hrs",
-        "hours",
-        "m",
-        "cm",
-        "mm",
-        "ft",
-        "feet",
-        "metre",
-        "metres",
-        "meter",
-        "meters",
-        "m/s",
-        "m/s2",
-        "m/s^2",
-        "m/s²",
-        "g",
-        "deg",
-        "degree",
-        "degrees",
-        "°",
-        "º",
-        "rad",
-        "rads",
-        "radians",
-        "deg/s",
-        "rad/s",
-        "hz",
-        "kn",
-        "kt",
-        "knots",
-        "utc",
-        "-",
-        "none",
-        "bool",
-        "yyyy-mm-dd",
-        "hh:mm:ss",
-        "n",
-        "kn",
-        "v",
-        "%",
-    ]
+    (
+        *("s", "ms", "us", "sec", "secs", "second", "seconds", "min", "mins", "minutes", "h", "hr", "hrs", "hours"),
+        *("m", "cm", "mm", "ft", "feet", "metre", "metres", "meter", "meters", "m/s", "m/s2", "m/s^2", "m/s²", "g"),
+        *("deg", "degree", "degrees", "°", "º", "rad", "rads", "radians", "deg/s", "rad/s", "hz", "kn", "kt", "knots"),
+        *("n", "v", "%", "utc", "yyyy-mm-dd", "hh:mm:ss", "-", "none", "bool"),
+    )
 )
+"""Words of a line of units."""
 
 
 class ColumnsError(ValueError):

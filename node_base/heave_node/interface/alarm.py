@@ -1,13 +1,14 @@
 """Alarms: one row of a table for each, with code, severity and words, and what is raised from it. Pure.
 
-A package has one table, `alarms.yaml` (`read_alarms`), and raises its alarms by code with their values:
+A package has one table, `alarms.yaml` (`read_alarms`), and raises its alarms by name with their values. A name is the
+code, with the part where several have it, and the reason where there are several:
 
 >>> TABLE = alarm_table(
-...     AlarmRow("MRU_STALE", Severity.HIGH, "mru", "no data for {age:.1f} s", "Compensation fades out", "Check power")
+...     AlarmRow("SENSOR_LOST, MRU", Severity.HIGH, "mru", "no data for {age:.1f} s", "", "Check power", "stale")
 ... )
->>> alarm = TABLE.alarm("MRU_STALE", age=1.25)
+>>> alarm = TABLE.alarm("SENSOR_LOST, MRU: stale", age=1.25)
 >>> str(alarm)
-'MRU_STALE (high): no data for 1.2 s. Compensation fades out. Check power.'
+'SENSOR_LOST, MRU (high): no data for 1.2 s. Check power.'
 >>> alarms_in(str(alarm))[0].severity
 <Severity.HIGH: 3>
 """
@@ -57,13 +58,19 @@ class Severity(enum.IntEnum):
 class AlarmRow:
     """A row of a table of alarms."""
 
-    code: str  # stable name in upper case, part first: MRU_STALE
+    code: str  # stable name in upper case; where several parts have it, with the part: SENSOR_LOST, MRU
     severity: Severity  # priority
     part: str  # that it is about: mru, winch, cable, adviser
     state: str  # what is wrong, value with unit against limit; values stand in braces, as in str.format
     # what follows, or is done by itself; empty where nothing is. `{loop}` is what the loop does, a sentence of its own
     consequence: str = ""
     action: str = ""  # what a person does; empty where nothing has to be done
+    reason: str = ""  # for which the code is raised; empty where it has one only
+
+    @property
+    def name(self) -> str:
+        """What it is raised by: the code, and the reason where there is one."""
+        return f"{self.code}: {self.reason}" if self.reason else self.code
 
     @cached_property
     def names(self) -> frozenset[str]:
@@ -79,7 +86,7 @@ class AlarmRow:
     def alarm(self, **values: Value) -> Alarm:
         """Return the alarm with its `values`; raises ValueError where one is missing or unknown."""
         if values.keys() != self.names:
-            raise ValueError(f"alarm {self.code} takes the values {sorted(self.names)}; got {sorted(values)}")
+            raise ValueError(f"alarm {self.name} takes the values {sorted(self.names)}; got {sorted(values)}")
         return Alarm(self, values)
 
 
@@ -94,6 +101,11 @@ class Alarm:
     def code(self) -> str:
         """Code of the row."""
         return self.row.code
+
+    @property
+    def name(self) -> str:
+        """Code and reason of the row."""
+        return self.row.name
 
     @property
     def severity(self) -> Severity:
@@ -140,29 +152,34 @@ class Alarm:
 
 
 class AlarmTable(dict[str, AlarmRow]):
-    """The alarms of a package, by code."""
+    """The alarms of a package, by name."""
 
-    def alarm(self, code: str, **values: Value) -> Alarm:
-        """Return the alarm of a `code` with its `values`; raises KeyError or ValueError where it has no such row."""
-        return self[code].alarm(**values)
+    def alarm(self, name: str, /, **values: Value) -> Alarm:
+        """Return the alarm of a `name` with its `values`; raises KeyError or ValueError where it has no such row."""
+        return self[name].alarm(**values)
+
+    def of_code(self, code: str) -> list[AlarmRow]:
+        """Return the rows of a `code`, one for each reason; none: it is not of this table."""
+        return [row for row in self.values() if row.code == code]
 
 
 def alarm_table(*rows: AlarmRow) -> AlarmTable:
-    """Return the table of `rows`; raises ValueError for a code that is there twice or is not in upper case."""
+    """Return the table of `rows`; raises ValueError for a name that is there twice or a code not in capitals."""
     table = AlarmTable()
     for row in rows:
-        if row.code in table or not _CODE.fullmatch(row.code):
-            raise ValueError(f"alarm code {row.code!r}: each code is in capitals, and there once")
-        table[row.code] = row
+        if row.name in table or not _CODE.fullmatch(row.code):
+            raise ValueError(f"alarm {row.name!r}: each code is in capitals, and each name there once")
+        table[row.name] = row
     return table
 
 
 def read_alarms(file: Path) -> AlarmTable:
     """Return the table of a YAML `file`: under each code its severity, part, state, consequence and action.
 
-    A row with `parts` stands for one row a part. Its code has `*` for the part in capitals, its words `<part>` for the
-    part, and `<name>` for what the file says of that part under `each`, with that name. Raises ValueError, with file
-    and code, for a row that is not complete or has a name too many.
+    A code with `parts` is one for each part, whose name it then ends with; its words have `<part>` for the part, and
+    `<name>` for what the file says of that part under `each`, with that name. Under `reasons` stands, by reason, what
+    differs from what stands under the code; a reason that differs from part to part has a list. Raises ValueError, with
+    file and code, for a row that is not complete or has a name too many.
     """
     content = parse_yaml(file.read_text(encoding="utf-8"))
     each = content.pop("each", {})
@@ -171,13 +188,16 @@ def read_alarms(file: Path) -> AlarmTable:
 
 def _rows(file: Path, code: str, cells: Mapping[str, Any], each: Mapping[str, Mapping[str, str]]) -> Iterator[AlarmRow]:
     """Yield the rows that stand in a `file` under a `code`; `each` is what differs from part to part."""
-    words = {name: cell for name, cell in cells.items() if name not in ("part", "parts")}
+    common = {name: cell for name, cell in cells.items() if name != "reasons"}
     try:
-        for part in cells["parts"] if "parts" in cells else [cells["part"]]:
-            own = {"part": part, **each.get(part, {})}
-            filled = {name: _filled(text, own) for name, text in words.items()}
-            severity = Severity[filled.pop("severity").upper()]
-            yield AlarmRow(code.replace("*", part.upper()), severity, part, **filled)
+        for reason, differing in cells.get("reasons", {"": {}}).items():
+            for own in differing if isinstance(differing, list) else [differing]:
+                words = {**common, **own}
+                parts = words.pop("parts", ())
+                for one in parts or [words.pop("part")]:
+                    filled = {name: _filled(text, {"part": one, **each.get(one, {})}) for name, text in words.items()}
+                    severity = Severity[filled.pop("severity").upper()]
+                    yield AlarmRow(f"{code}, {one.upper()}" if parts else code, severity, one, reason=reason, **filled)
     except (KeyError, TypeError) as error:
         raise ValueError(f"{file.name}: {code}: missing or unknown: {error}") from error
 
@@ -203,7 +223,7 @@ class ReadAlarm(NamedTuple):
 
 _FIGURE = re.compile(r"(\{(\w+):(\+?)\.(\d)f\})")
 _OWN = re.compile(r"<(\w+)>")
-_CODE = re.compile(r"[A-Z][A-Z0-9]*(_[A-Z0-9]+)*")
+_CODE = re.compile(r"[A-Z][A-Z0-9]*(_[A-Z0-9]+)*(, [A-Z_]+)?")
 _HEAD = re.compile(
     rf"(?:^|(?<=[;:] ))(?:{TIME_KEY.pattern}: )?(?P<code>{_CODE.pattern}) "
     rf"\((?P<severity>{'|'.join(one.word for one in Severity)})\): "

@@ -39,12 +39,7 @@ class MessageReader:
 
 
 class SensorMessages(MessageReader):
-    """The messages of one sensor; what is read of them are the values, without their accuracies.
-
-    Parameters
-    ----------
-    sensor : of the table `sensors.SENSORS`
-    """
+    """The messages of a `sensor` of SENSORS; what is read of them are the values, without their accuracies."""
 
     def __init__(self, sensor: Sensor) -> None:
         super().__init__(sensor.topic.type, sensor.values)

@@ -29,11 +29,7 @@ class LoadCycles:
 
 
 def rainflow(values: ArrayLike) -> tuple[Array, Array]:
-    """Return the cycles of a record by rainflow counting, ASTM E1049-85, 5.4.4: their ranges, and 1 or 0.5 for each.
-
-    Parameters
-    ----------
-    values : of the load, shape (n,)
+    """Return the cycles of a load, `values` of shape (n,), by rainflow counting, ASTM E1049-85, 5.4.4.
 
     Returns
     -------

@@ -110,9 +110,7 @@ class LinearModel:
     def with_outputs(self, rows: Mapping[str, Mapping[str, float] | Array]) -> LinearModel:
         """Return the model with further outputs of the state.
 
-        Parameters
-        ----------
-        rows : by name of the output, a row of C, shape (n,), or the weights of states given by name
+        `rows` has, by name of the output, a row of C, shape (n,), or the weights of states by name.
         """
         C = np.zeros((len(rows), self.order))
         for i, row in enumerate(rows.values()):
@@ -178,15 +176,8 @@ def _columns(columns: Mapping[str, ArrayLike], n: int) -> Array:
 def interconnect(blocks: Sequence[LinearModel]) -> LinearModel:
     """Connect blocks by name: an input that has the name of some block's output is fed by it, the others stay inputs.
 
-    All outputs stay outputs.
-
-    Parameters
-    ----------
-    blocks : continuous, or discrete with one step; names of states and outputs differ between blocks
-
-    Raises
-    ------
-    ModelError : two blocks with one name of a state or output, different steps, or an algebraic loop
+    The `blocks` are continuous, or discrete with one step; all outputs stay outputs. Raises ModelError for two blocks
+    with one name of a state or output, different steps, or an algebraic loop.
     """
     steps = {block.dt for block in blocks}
     if len(steps) != 1:

@@ -12,12 +12,7 @@ TIMING = "timing"
 
 
 class InputTiming:
-    """Wall times of the messages of one external publisher.
-
-    Parameters
-    ----------
-    topic : its name
-    """
+    """Wall times of the messages of one external publisher, on the `topic` of this name."""
 
     def __init__(self, topic: str) -> None:
         self.topic = topic

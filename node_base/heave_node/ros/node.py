@@ -196,9 +196,7 @@ class HeaveNode(PortedNode):
     def publish_join(self, waiting_for: str = "") -> None:
         """Tell the clock master what this node publishes and subscribes to, and why it has ended where it has.
 
-        Parameters
-        ----------
-        waiting_for : what the node lacks in this tick, in words
+        `waiting_for` says in words what the node lacks in this tick.
         """
         self._ports.join.publish(
             TickJoin(

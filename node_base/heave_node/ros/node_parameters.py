@@ -126,12 +126,7 @@ def _parameter_files(arguments: Sequence[str]) -> list[Path]:
 
 
 def launch_parameters(given: Mapping[str, str]) -> list[str | dict[str, bool]]:
-    """Return the parameter files and values of a node, later ones before earlier ones.
-
-    Parameters
-    ----------
-    given : arguments of a launch, by name
-    """
+    """Return the parameter files and values of a node in a launch of the arguments `given`, the later the stronger."""
     files = [given["scenario"], given["params_file"]]
     autostart = given["autostart"]
     return [*filter(None, files), *([{"autostart": autostart == "true"}] if autostart else [])]

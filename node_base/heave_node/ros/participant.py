@@ -247,9 +247,7 @@ class ParticipantNode(HeaveNode):
     def missing(self, published: Sequence[int]) -> int:
         """Return how many messages have not come to this node; asked at the end of a run in real time.
 
-        Parameters
-        ----------
-        published : messages of the run so far, per entry of the roster
+        `published` counts the messages of the run, per entry of the roster.
         """
         del published  # the gate has counted them
         return self.gate.lost()

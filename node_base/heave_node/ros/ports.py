@@ -167,12 +167,10 @@ class Input:
         self._last_stamp = 0
 
     def take(self, tick: Tick) -> list[Any]:
-        """Return what came for this tick, oldest first; `latest` holds the last one afterwards.
+        """Return what came for this `tick`, oldest first; `latest` holds the last one afterwards.
 
-        Parameters
-        ----------
-        tick : in which they are used. A message with a header that is stamped after its end, or not after the one
-            before it, is refused and counted, where `check_stamps` is on; so is one that is older than the lifespan
+        Where `check_stamps` is on, a message that is stamped after the end of the tick, or not after the one before it,
+        is refused and counted; so is one that is older than the lifespan.
         """
         messages: list[tuple[int | None, Any]] = self._gate.take(self.topic)
         if self.holds_ahead or self.settles:

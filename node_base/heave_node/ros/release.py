@@ -37,10 +37,3 @@ RCLError: Any = first_of("rclpy.impl.implementation_singleton:rclpy_implementati
 
 DISTRIBUTION = os.environ.get("ROS_DISTRO") or "kilted"
 """Release that runs: that of the sourced installation, or of the wheels."""
-
-
-def take_newest(subscription: Any, *, raw: bool = False) -> Any:
-    """Return the next message, `raw` its bytes, that waits at a `subscription` of no executor; None: none does."""
-    with subscription.handle:
-        taken = subscription.handle.take_message(subscription.msg_type, raw)
-    return None if taken is None else taken[0]

@@ -18,10 +18,7 @@ class Silence:
     """The silence of another node; who looks after it calls `look` several times a second.
 
     A process that computes for long, or has many nodes, hears nobody meanwhile: that is not the silence of the other.
-
-    Parameters
-    ----------
-    clock : returns the wall time [s]
+    `clock` returns the wall time [s].
     """
 
     def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:
@@ -67,9 +64,7 @@ class Patience:
 class MasterWaits:
     """What the clock master waits for: answers to what it has sent, its next status, its next warning.
 
-    Parameters
-    ----------
-    clock : returns the wall time [s]
+    `clock` returns the wall time [s].
     """
 
     def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:

@@ -17,8 +17,7 @@ from heave_node.interface.faults import TIME_TOLERANCE, FaultSchedule, FaultyVal
 from heave_node.interface.sensors import Reading
 from heave_node.numerics.arrays import Array
 from heave_node.numerics.randomness import random_stream
-from heave_node.sensing.quantisation import quantised
-from heave_node.sensing.view import SensorParameters, View
+from heave_node.sensing.view import SensorParameters, View, quantised
 
 _DRAWN_AT_ONCE = 256
 """Ticks for which a sensor draws its noise in one go: a call costs as much as a hundred numbers."""

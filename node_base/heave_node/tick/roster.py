@@ -34,9 +34,7 @@ class Participant:
 class Roster:
     """The participants of a run, their outputs and their counters.
 
-    Parameters
-    ----------
-    expected : names of the nodes without which no tick begins (the master included)
+    Without the nodes of the names `expected` no tick begins; the master's comes first.
     """
 
     def __init__(self, expected: Iterable[str]) -> None:

@@ -21,10 +21,8 @@ class Standing(Enum):
 class Speakers:
     """The processes whose messages on one topic are taken.
 
-    Parameters
-    ----------
-    is_external : the topic comes from outside the protocol, where no roster names its publisher: the first process that
-        is heard keeps it, until `release`
+    One that `is_external` comes from outside the protocol, where no roster names its publisher: the first process that
+    is heard keeps it, until `release`.
     """
 
     def __init__(self, *, is_external: bool = False) -> None:

@@ -17,18 +17,17 @@ class FaultRule(NamedTuple):
     """How a fault is ranked and left."""
 
     rank: int  # a fault replaces one of a lower rank
-    clears: str  # what must be done before it is released
     is_automatic: bool  # a controller may release it by itself; otherwise an operator requests a mode
 
 
 FAULTS: Mapping[int, FaultRule] = {
-    WinchFault.NONE: FaultRule(0, "nothing is latched", is_automatic=True),
-    WinchFault.COMMAND_TIMEOUT: FaultRule(1, "commands reach the drive again", is_automatic=True),
-    WinchFault.INVALID_COMMAND: FaultRule(2, "the controller sends finite set-points", is_automatic=False),
-    WinchFault.DRIVE: FaultRule(3, "the cause is removed at drive, drum or count", is_automatic=False),
-    WinchFault.EMERGENCY_STOP: FaultRule(4, "the cause of the stop is removed", is_automatic=False),
+    WinchFault.NONE: FaultRule(0, is_automatic=True),
+    WinchFault.COMMAND_TIMEOUT: FaultRule(1, is_automatic=True),
+    WinchFault.INVALID_COMMAND: FaultRule(2, is_automatic=False),
+    WinchFault.DRIVE: FaultRule(3, is_automatic=False),
+    WinchFault.EMERGENCY_STOP: FaultRule(4, is_automatic=False),
 }
-"""Rank of each fault, what clears it, and who may."""
+"""Rank of each fault, and who may release it."""
 
 
 def is_automatic(code: int) -> bool:
@@ -75,9 +74,7 @@ class FaultLatch:
     def release(self, *, is_at_rest: bool) -> None:
         """Note a command without a brake: it leaves a fault that was acknowledged and whose cause is gone.
 
-        Parameters
-        ----------
-        is_at_rest : the drum
+        The drum must be at rest (`is_at_rest`).
         """
         if self.waits_for(is_at_rest=is_at_rest) is WinchRelease.COMMAND:
             self.fault, self.words, self.is_acknowledged = WinchFault.NONE, "", False

@@ -41,11 +41,7 @@ class DrumReading(NamedTuple):
 
 
 class MotionSupervision:
-    """Supervises one drum.
-
-    Parameters
-    ----------
-    time : for which a rule must be broken [s]; 0: no supervision
+    """Supervises one drum; a rule must be broken for a `time` [s], and with 0 there is no supervision.
 
     Attributes
     ----------

@@ -63,12 +63,7 @@ class Way:
 
 
 class OrderedTravel:
-    """Finds a drum that goes much further than ordered, or the other way.
-
-    Parameters
-    ----------
-    lag : delay and lag that a sound drive may have [s]
-    """
+    """Finds a drum that goes much further than ordered, or the other way; a sound drive may have so much `lag` [s]."""
 
     def __init__(self, lag: float) -> None:
         self._moved, self._ordered = Way(ORDER_LEAK, 0.0), Way(ORDER_LEAK, lag)

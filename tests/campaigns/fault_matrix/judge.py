@@ -10,7 +10,7 @@ import numpy as np
 from heave_node.interface.alarm import Severity
 from heave_node.kpi import WORSE_FLOOR
 from heave_node.numerics.arrays import Array
-from heave_studies.promise.findings import NO_BLAME, PARTS, blamed_by
+from heave_studies.promise.findings import IDENTIFIED, NO_BLAME, PARTS, blamed_by
 
 from tests.campaigns.fault_matrix.moments import Asked
 
@@ -39,22 +39,22 @@ _DRUM = ("winch", "encoder")
 NAMES = {
     "DEPTH_MRU_DISAGREE": ("depth", "mru"),
     "PAYOUT_DEPTH_DISAGREE": ("encoder", "depth"),
-    "DRUM_OR_ENCODER_STILL": _DRUM,
-    "DRUM_OR_ENCODER_REVERSED": _DRUM,
-    "DRUM_OR_ENCODER_SCALE": _DRUM,
-    "DRUM_OR_ENCODER_DRIFTS": _DRUM,
-    "WINCH_OR_ENCODER_REVERSED": _DRUM,
-    "WINCH_OR_ENCODER_SCALE": _DRUM,
+    "DRUM_OR_ENCODER: still": _DRUM,
+    "DRUM_OR_ENCODER: reversed": _DRUM,
+    "DRUM_OR_ENCODER: scale": _DRUM,
+    "DRUM_OFF_ORDER: drift": _DRUM,
+    "DRUM_OR_ENCODER: unresolved reversal": _DRUM,
+    "DRUM_OR_ENCODER: unresolved scale": _DRUM,
     "DRUM_SPEED_OFF": _DRUM,
-    "DRUM_OFF_ORDER": _DRUM,
-    "DRUM_RUNS_BRAKED": _DRUM,
+    "DRUM_OFF_ORDER: distance": _DRUM,
+    "DRUM_NOT_HELD: count": _DRUM,
     "COUNT_SPEED_DISAGREE": _DRUM,
-    "LOAD_FALLS_BRAKED": ("winch", "load_cell"),
+    "DRUM_NOT_HELD: hook load": ("winch", "load_cell"),
     "MRU_REVERSED": ("mru", "depth", "load_cell"),
-    "MRU_SCALE_UNPROVED": ("mru", "depth", "load_cell"),
-    "MRU_UNPROVED": (),
+    "MRU_UNPROVED: scale": ("mru", "depth", "load_cell"),
+    "MRU_UNPROVED: alone": (),
     "WINCH_INVALID_COMMAND": ("orders",),
-    "ORDER_NOT_FINITE": ("orders",),
+    "ORDER_REPLACED: not finite": ("orders",),
     "AUTHORITY_LIMITED": (),
     "WINCH_SATURATED": (),
 }
@@ -69,7 +69,7 @@ class Raised:
     """An alarm of a run."""
 
     time: float  # [s]
-    code: str  # of its row
+    code: str  # name of its row
     part: str  # of its row
     severity: Severity  # of its row
     text: str = ""  # what it says
@@ -81,7 +81,8 @@ class Raised:
             return NAMES[self.code]
         if self.code == "WINCH_MODEL_UPDATED":
             return blamed_by(self, noise=True)  # type: ignore[arg-type]
-        if self.severity is Severity.EVENT or self.code in NO_BLAME or self.part not in (*PARTS, *ALSO):
+        is_event = self.severity is Severity.EVENT and not self.code.startswith(IDENTIFIED)
+        if is_event or self.code.partition(": ")[0] in NO_BLAME or self.part not in (*PARTS, *ALSO):
             return ()
         return (self.part,)
 

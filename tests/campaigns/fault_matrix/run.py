@@ -204,4 +204,4 @@ def judged(
 
 def raised(time: float, alarm: Alarm) -> Raised:
     """Return an `alarm` of a record as it is judged."""
-    return Raised(time, alarm.code, alarm.row.part, alarm.severity, alarm.text)
+    return Raised(time, alarm.name, alarm.row.part, alarm.severity, alarm.text)

@@ -4,8 +4,7 @@ The reading is the true heave plus the lever-arm error (pitch and roll let in), 
 second-order high-pass s^2 / (s^2 + 2 zeta omega_c s + omega_c^2), with white noise, noise that wanders, and in whole
 steps where the unit has a resolution. The high-pass is kept as what it
 takes away: reading = truth - e with e'' + 2 zeta omega_c e' + omega_c^2 e = 2 zeta omega_c x' + omega_c^2 x - d, solved
-exactly for x a cubic between ticks; d is an error of the vertical acceleration (a tilt of the vertical in a turn, a
-bias after a restart).
+exactly for x a cubic between ticks; d is an error of the vertical acceleration, a bias after a restart.
 """
 
 from __future__ import annotations
@@ -14,22 +13,21 @@ import math
 from itertools import accumulate
 
 import numpy as np
+import scipy
 from heave_node.interface.codes import MruStatus
 from heave_node.interface.fault_kinds import LARGEST_DELAY
 from heave_node.interface.faults import FaultSchedule, FaultyValues
 from heave_node.interface.sensors import MruReading
 from heave_node.numerics.arrays import Array
 from heave_node.numerics.randomness import random_stream
-from heave_node.sensing.quantisation import quantised
+from heave_node.sensing.view import quantised
 from numpy.typing import NDArray
 
-from wave_vessel_node.mru.oscillator import DrivenOscillator
 from wave_vessel_node.parameters import MruParameters
 from wave_vessel_node.vessel.motion import PITCH, ROLL, VesselMotions
 
 _TICK_ROUNDING = 1e-6
 """A delay so little above whole ticks is one of whole ticks [ticks]."""
-_TURNING = 1e-4  # rad/s: above this rate of turn the unit is disturbed
 _IN_HEAVE = np.array([1.0, 0.0, 0.0, 0.0, 0.0])
 """A spike or jump is an error of heave, not of rate, acceleration, roll or pitch."""
 _OF_HEAVE = np.array([1.0, 1.0, 1.0, 0.0, 0.0])
@@ -40,6 +38,55 @@ def high_pass_response(omega: Array, cut_off: float, damping: float) -> NDArray[
     """Return -omega^2 / (cut_off^2 - omega^2 + 2 i damping cut_off omega), the formula the unit obeys."""
     omega = np.asarray(omega, dtype=float)
     return np.asarray(-(omega**2) / (cut_off**2 - omega**2 + 2j * damping * cut_off * omega))
+
+
+class DrivenOscillator:
+    """y'' + 2 zeta omega y' + omega^2 y = value_gain u + rate_gain u' + f, with u a cubic and f constant within a step.
+
+    Parameters
+    ----------
+    frequency : omega [rad/s]; damping : zeta
+    value_gain, rate_gain : of the motion u and of its rate
+    period : length of a step [s]
+    """
+
+    def __init__(self, frequency: float, damping: float, *, value_gain: float, rate_gain: float, period: float) -> None:
+        self._stiffness, self._damping = frequency**2, 2.0 * damping * frequency
+        self._gains = (value_gain, rate_gain)
+        self._period = period
+        self._state = np.zeros(2)
+        self._last = (0.0, 0.0)
+        # y, y', and the polynomial u, u', u'', u''' as a chain of integrators, and f
+        generator = np.zeros((7, 7))
+        generator[0, 1] = 1.0
+        generator[1, :4] = -self._stiffness, -self._damping, value_gain, rate_gain
+        generator[1, 6] = 1.0
+        generator[2, 3] = generator[3, 4] = generator[4, 5] = 1.0
+        self._transition = scipy.linalg.expm(generator * period)[:2]
+
+    def start(self, value: float, rate: float, state: tuple[float, float] = (0.0, 0.0)) -> None:
+        """Begin at u = `value`, u' = `rate`, with (y, y') = `state`."""
+        self._state, self._last = np.array(state), (value, rate)
+
+    def run(self, values: Array, rates: Array, forces: Array) -> Array:
+        """Advance by n periods to u = `values`, u' = `rates`, with f = `forces` held; all of shape (n,).
+
+        Returns y, y', y'', u and u' at their ends, shape (n, 5): a row is all that `start` needs to go on from there.
+        """
+        h = self._period
+        u, u1 = np.append(self._last[0], values[:-1]), np.append(self._last[1], rates[:-1])
+        slope = (values - u) / h
+        u2 = (6.0 * slope - 4.0 * u1 - 2.0 * rates) / h
+        u3 = (6.0 * u1 + 6.0 * rates - 12.0 * slope) / h**2
+        inputs = np.column_stack((u, u, u, u1, u2, u3, forces))
+        out = np.column_stack((u, u, u, values, rates))
+        for before, after in zip(inputs, out, strict=True):
+            before[:2] = self._state
+            self._state = after[:2] = self._transition @ before
+        self._last = (float(values[-1]), float(rates[-1]))
+        drive = self._gains[0] * values + self._gains[1] * rates + forces
+        out[:, 2] = drive - self._stiffness * out[:, 0] - self._damping * out[:, 1]
+        return out
 
 
 class MotionReferenceUnit:
@@ -117,11 +164,8 @@ class MotionReferenceUnit:
     def series(self, heave: Array) -> Array:
         """Return heave and heave rate as delivered at each tick of a run, shape (n, 2); NaN where nothing is.
 
-        They are those of `step` for a vessel that does not turn, without scheduled faults.
-
-        Parameters
-        ----------
-        heave : boom-tip heave about its mean, rate, acceleration at the ticks from the first one on, shape (n, 3)
+        They are those of `step` without scheduled faults, for a boom tip with this `heave` about its mean, rate and
+        acceleration at the ticks from the first one on, shape (n, 3).
         """
         p, ticks = self._parameters, np.arange(1, len(heave) + 1)
         self.look(VesselMotions.still(range(1, len(heave) + 1), self._period), heave)
@@ -148,23 +192,18 @@ class MotionReferenceUnit:
         truth, motions = self._truth[row:], self._motions
         passed = truth
         if self._parameters.high_pass_period > 0.0:
-            errors = self._acceleration_errors(row)
-            passed = truth - self._taken.run(truth[:, 0], truth[:, 1], -errors)[:, :3]
+            passed = truth - self._taken.run(truth[:, 0], truth[:, 1], -self._acceleration_errors(row))[:, :3]
         attitude = motions.six[row:, 0, ROLL : PITCH + 1]
         seen = np.hstack((passed, attitude)) + self._wandered[row:, None] * _IN_HEAVE
         self._seen[len(self._seen) - len(seen) :] = seen
 
     def _acceleration_errors(self, row: int) -> Array:
-        """Return the errors of vertical acceleration from a `row` of the block on, and note when each settles."""
-        p, motions, times = self._parameters, self._motions, self._motions.time[row:]
-        turning = np.abs(motions.turn_rate[row:]) > _TURNING
-        settles = np.where(turning, times + p.settling_periods * p.high_pass_period, -math.inf)
-        self._settled[row:] = np.maximum.accumulate(np.maximum(self._settled[row:], settles))
-        errors: Array = p.turn_sensitivity * motions.speed[row:] * motions.turn_rate[row:]
-        if self._restarted_at >= 0.0:
-            since = ((times - self._restarted_at) / p.high_pass_period).tolist()
-            errors = errors + np.array([p.restart_bias * math.exp(-age) for age in since])
-        return errors
+        """Return the errors of vertical acceleration from a `row` of the block on [m/s^2]: the bias of a restart."""
+        p, times = self._parameters, self._motions.time[row:]
+        if self._restarted_at < 0.0:
+            return np.zeros(len(times))
+        since = ((times - self._restarted_at) / p.high_pass_period).tolist()
+        return np.array([p.restart_bias * math.exp(-age) for age in since])
 
     def step(self, tick: int) -> MruReading | None:
         """Return the reading delivered at `tick`, or None if there is none."""

@@ -16,7 +16,7 @@ import scipy
 from heave_node.numerics.arrays import Array
 from heave_node.numerics.linear_model import LinearModel, output_sigma, output_spectrum
 
-from wave_vessel_node.sea.filter_form import FilterForm, sections_of
+from wave_vessel_node.sea.shaping_filter import FilterForm, sections_of
 from wave_vessel_node.sea.spectra import SpectrumError, WaveSpectrum, cell_integrals
 
 LEAK_QUANTILE = 1e-4

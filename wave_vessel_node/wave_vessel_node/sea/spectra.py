@@ -72,13 +72,9 @@ class WaveSpectrum(ABC):
         return np.concatenate((np.linspace(0.05, 4.0, 1600) * peak, np.geomspace(4.0, 400.0, 600)[1:] * peak))
 
     def moment(self, order: int) -> float:
-        """Return m_n = integral of omega^n S [m^2 (rad/s)^n].
+        """Return m_n = integral of omega^n S [m^2 (rad/s)^n] of the `order` n, -1 to 3; raise SpectrumError for others.
 
-        Parameters
-        ----------
-        order : n, -1 to 3 (m_4 of an omega^-5 tail is infinite)
-
-        Raises SpectrumError for an order outside that range.
+        m_4 of an omega^-5 tail is infinite.
         """
         if not -1 <= order <= 3:
             raise SpectrumError(f"moment of order {order} is not available: orders -1 to 3 converge")

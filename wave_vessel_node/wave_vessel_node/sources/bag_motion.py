@@ -1,20 +1,22 @@
-"""Samples of motion or elevation from a bag (MCAP), by the messages of this suite.
+"""Samples of motion from a bag (MCAP), by the messages of this suite.
 
 What can be read of a bag is read and the rest is named: a power cut leaves empty files, files of zeros and files
-without an end beside sound ones. `heave repair` gets more out of a damaged file, and unpacks what is compressed.
+without an end beside sound ones. `heave repair` gets more out of a damaged file.
 """
 
 from __future__ import annotations
 
 import math
 import struct
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 from typing import IO
 
 import zstandard
 from heave_node.files.bounded_yaml import YamlError, parse_yaml
 from heave_node.interface.codes import MruStatus
+from heave_node.interface.messages import MessageReader
 from mcap.exceptions import McapError
 from mcap.reader import McapReader, NonSeekingReader, make_reader
 from mcap.records import Channel, Message, Schema
@@ -25,7 +27,6 @@ Sample = tuple[float, float, float, float]
 _DAMAGE = (McapError, struct.error, zstandard.ZstdError, RuntimeError, ValueError, EOFError, OSError, MemoryError)
 """Errors that the readers of MCAP and of its compressions raise for a file that is cut off or damaged."""
 _ZSTD_MAGIC = b"\x28\xb5\x2f\xfd"
-_UNPACK = "heave repair BAG --output NEW makes a bag that can be read here"
 
 
 class BagMotionError(ValueError):
@@ -52,7 +53,7 @@ def bag_samples(path: Path, topic: str) -> tuple[list[Sample], list[str]]:
                 for schema, channel, message in _messages(stream):
                     found.add(channel.topic)
                     if channel.topic.rsplit("/", 1)[-1] == topic:
-                        samples.append(_decoder(path, schema, channel)(_Cdr(_plain(path, message.data))))
+                        samples.append(_sample(path, schema, channel, message.data))
         except BagMotionError:
             raise
         except _DAMAGE as error:
@@ -73,7 +74,7 @@ def _files(path: Path) -> list[Path]:
         return files
     packed = sorted(file.name for file in path.glob("*.mcap.z*"))
     if packed:
-        raise BagMotionError(f"{path}: {packed[0]} is compressed; {_UNPACK}")
+        raise BagMotionError(f"{path}: {packed[0]} is compressed; unpack it: zstd -d {packed[0]}")
     raise BagMotionError(f"{path}: the folder has no .mcap file")
 
 
@@ -113,61 +114,33 @@ def _damage(file: Path, error: BaseException, read: int) -> str:
     return f"{text}: {read} samples were read up to there; heave repair may recover more" if read else text
 
 
-def _decoder(path: Path, schema: Schema | None, channel: Channel) -> Callable[[_Cdr], Sample]:
-    decode = _DECODERS.get(schema.name if schema else "")
-    if decode is None:
-        known = ", ".join(sorted(_DECODERS))
-        raise BagMotionError(f"{path}: topic {channel.topic} has the wrong type: expected {known}")
-    return decode
-
-
 def _plain(path: Path, data: bytes) -> bytes:
     if data.startswith(_ZSTD_MAGIC):  # no serialised message begins so
-        raise BagMotionError(f"{path}: its messages are compressed one by one; {_UNPACK}")
+        raise BagMotionError(f"{path}: its messages are compressed one by one; write it anew: ros2 bag convert")
     return data
 
 
-class _Cdr:
-    """Reads the plain members of a serialised ROS message in order (little-endian CDR)."""
-
-    def __init__(self, data: bytes) -> None:
-        self._data = data[4:]
-        self._at = 0
-
-    def read(self, kind: str) -> float:
-        size = struct.calcsize(kind)
-        self._at += -self._at % size
-        value = struct.unpack_from("<" + kind, self._data, self._at)[0]
-        self._at += size
-        return value  # type: ignore[no-any-return]  # struct cannot know
-
-    def header(self) -> float:
-        """Return the stamp [s] and step over the frame."""
-        seconds, nanoseconds = self.read("i"), self.read("I")
-        length = int(self.read("I"))
-        self._at += length
-        return seconds + 1e-9 * nanoseconds
-
-
-def _point_motion(cdr: _Cdr) -> Sample:
-    time = cdr.header()
-    return time, cdr.read("d"), cdr.read("d"), cdr.read("d")
-
-
-def _mru_sample(cdr: _Cdr) -> Sample:
-    time = cdr.header()
-    cdr.read("I")
-    status = int(cdr.read("B"))
-    heave = cdr.read("d")
-    return time, 0.0, 0.0, math.nan if status == MruStatus.INVALID else heave
-
-
-def _wave_elevation(cdr: _Cdr) -> Sample:
-    return cdr.header(), 0.0, 0.0, cdr.read("d")
-
-
-_DECODERS: dict[str, Callable[[_Cdr], Sample]] = {
-    "heave_msgs/msg/PointMotion": _point_motion,
-    "heave_msgs/msg/MruSample": _mru_sample,
-    "heave_msgs/msg/WaveElevation": _wave_elevation,
+_FIELDS = {
+    "heave_msgs/msg/PointMotion": ("position.x", "position.y", "position.z"),
+    "heave_msgs/msg/MruSample": ("heave", "status"),
 }
+"""Types that hold a motion, with the fields that are read of them."""
+
+
+def _sample(path: Path, schema: Schema | None, channel: Channel, data: bytes) -> Sample:
+    """Return the sample in the `data` of a message; heave that the MRU calls invalid is NaN."""
+    kind = schema.name if schema else ""
+    if kind not in _FIELDS:
+        known = ", ".join(sorted(_FIELDS))
+        raise BagMotionError(f"{path}: topic {channel.topic} has the wrong type: expected {known}")
+    reading = _reader(kind).reading(_plain(path, data))
+    seconds, nanoseconds = divmod(reading.stamp, 1_000_000_000)
+    time, numbers = seconds + 1e-9 * nanoseconds, reading.numbers
+    if kind.endswith("MruSample"):
+        return time, 0.0, 0.0, math.nan if numbers[1] == MruStatus.INVALID else numbers[0]
+    return time, numbers[0], numbers[1], numbers[2]
+
+
+@cache
+def _reader(kind: str) -> MessageReader:
+    return MessageReader(kind, _FIELDS[kind])

@@ -17,7 +17,8 @@ from wave_vessel_node.vessel.second_order import SecondOrderVessel, wave_slope_r
 def build(scene: Scene) -> MotionSource:
     """Return the source `spectrum` of a scene."""
     if scene.rao is not None:
-        return RaoSource(scene.components(), scene.rao, scene.course, scene.boom_tip_arm, scene.tick_period)
+        course = scene.parameters.course
+        return RaoSource(scene.components(), scene.rao, course, scene.boom_tip_arm, scene.tick_period)
     return SecondOrderSource(scene.components(), scene.vessel, scene.parameters.vessel.pitch_gain, scene.tick_period)
 
 

@@ -1,4 +1,4 @@
-"""What lies over any source of motion: a later sea, the course, slow drift, the smooth start."""
+"""What lies over any source of motion: a later sea, the heading, the smooth start."""
 
 from __future__ import annotations
 
@@ -8,16 +8,9 @@ import numpy as np
 from heave_node.interface.waves import Waves, from_start
 from heave_node.numerics.arrays import Array
 from heave_node.numerics.kinematics import smooth_ramp
-from heave_node.numerics.randomness import random_stream
 
-from wave_vessel_node.parameters import DriftParameters
-from wave_vessel_node.sea.realisation import HarmonicSum, draw_components
-from wave_vessel_node.sea.spectra import TabulatedSpectrum
 from wave_vessel_node.sources.motion_source import MotionSource
-from wave_vessel_node.vessel.course import Course
 from wave_vessel_node.vessel.motion import VesselMotions
-
-_DRIFT_COMPONENTS = 120
 
 
 def weighted(six: Array, weights: Array) -> Array:
@@ -33,23 +26,25 @@ def weighted(six: Array, weights: Array) -> Array:
 
 
 class RampedSource(MotionSource):
-    """Another source, growing from rest over a ramp; at the first tick (number 1) everything is still.
+    """Another source on its heading, growing from rest over a ramp; at the first tick (number 1) everything is still.
 
     Parameters
     ----------
     source : what the vessel does without the ramp
+    heading : of the vessel from world x [rad]
     ramp : length of the ramp [s]
     tick_period : [s]
     """
 
-    def __init__(self, source: MotionSource, ramp: float, tick_period: float) -> None:
+    def __init__(self, source: MotionSource, heading: float, ramp: float, tick_period: float) -> None:
         self._source = source
-        self._ramp = ramp
+        self._heading, self._ramp = heading, ramp
         self._tick_period = tick_period
 
     def motions(self, ticks: range) -> VesselMotions:
         """See MotionSource."""
         motions = self._source.motions(ticks)
+        motions.heading = self._heading
         since_start = [(tick - 1) * self._tick_period for tick in ticks[: len(motions.time)]]
         if since_start[0] < self._ramp:
             ramp = np.array([smooth_ramp(time, self._ramp) for time in since_start])
@@ -98,66 +93,3 @@ class ChangingSource(MotionSource):
             (cosine, -sine * rate, -cosine * rate**2 - sine * acceleration),
             (sine, cosine * rate, -sine * rate**2 + cosine * acceleration),
         )
-
-
-class CourseSource(MotionSource):
-    """Another source on a course, whose heading, rate of turn and speed turn the axes and disturb the MRU.
-
-    Parameters
-    ----------
-    source : motion about the mean course
-    course : of the vessel
-    """
-
-    def __init__(self, source: MotionSource, course: Course) -> None:
-        self._source = source
-        self._course = course
-
-    def motions(self, ticks: range) -> VesselMotions:
-        """See MotionSource."""
-        motions, course = self._source.motions(ticks), self._course
-        times = motions.time[:1] if len(course.legs) == 1 else motions.time  # on one leg nothing changes
-        found = [(course.heading(t), course.turn_rate(t), course.turn_acceleration(t), course.speed(t)) for t in times]
-        columns = np.broadcast_to(np.transpose(found), (4, len(motions.time)))
-        motions.heading, motions.turn_rate, motions.turn_acceleration, motions.speed = columns
-        return motions
-
-    def waves(self) -> Waves:
-        """See MotionSource."""
-        return self._source.waves()
-
-
-class DriftingSource(MotionSource):
-    """Another source with slow drift in surge and sway: narrow-band noise about the natural period of position keeping.
-
-    Parameters
-    ----------
-    source : motion without drift
-    drift : its size, period and damping
-    seed : of the drift
-    tick_period : [s]
-    """
-
-    def __init__(self, source: MotionSource, drift: DriftParameters, seed: int, tick_period: float) -> None:
-        self._source = source
-        natural = 2.0 * math.pi / drift.period
-        omega = np.linspace(0.05, 3.0, 300) * natural
-        resonance = (natural**2 - omega**2) ** 2 + (2.0 * drift.damping_ratio * natural * omega) ** 2
-        spectrum = TabulatedSpectrum(omega, 1.0 / resonance, name="slow drift")
-        self._sums = []
-        for axis, deviation in zip(("surge", "sway"), drift.standard_deviation, strict=True):
-            generator = random_stream(seed, f"wave_vessel/drift/{axis}")
-            sea = draw_components(spectrum, _DRIFT_COMPONENTS, generator)
-            amplitude = sea.amplitude * deviation / math.sqrt(spectrum.moment(0))
-            self._sums.append(HarmonicSum(sea.frequency, amplitude * np.exp(1j * sea.phase), tick_period))
-
-    def motions(self, ticks: range) -> VesselMotions:
-        """See MotionSource."""
-        motions = self._source.motions(ticks)
-        for axis, harmonics in enumerate(self._sums):
-            motions.six[:, :, axis] += harmonics.at(ticks[: len(motions.time)])[:, :, 0]
-        return motions
-
-    def waves(self) -> Waves:
-        """See MotionSource."""
-        return self._source.waves()

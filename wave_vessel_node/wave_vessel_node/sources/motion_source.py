@@ -27,7 +27,7 @@ class MotionSource(ABC):
     def motions(self, ticks: range) -> VesselMotions:
         """Return the motion at `ticks` times tick_period; they are asked for in rising order, each once.
 
-        It may return fewer, the first of them: where it ends, or is slow. Raises ValueError where none is left.
+        It may return fewer, the first of them, where it ends. Raises ValueError where none is left.
         """
 
     def nominal_sea(self) -> tuple[float, float]:

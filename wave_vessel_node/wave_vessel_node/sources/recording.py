@@ -1,7 +1,7 @@
-"""Recordings of boom-tip motion or of wave elevation, from CSV or from a bag (MCAP).
+"""Recordings of boom-tip motion, from CSV or from a bag (MCAP).
 
-CSV: comment lines begin with #, then a header and rows, in any form of `heave_node.files.columns`. Motion: columns
-time_s and z_m (or heave_m), x_m and y_m if there are; elevation: time_s and elevation_m.
+CSV: comment lines begin with #, then a header and rows, in any form of `heave_node.files.columns`: columns time_s and
+z_m (or heave_m), x_m and y_m if there are.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from wave_vessel_node.sources.bag_motion import BagMotionError, bag_samples
 _LONGEST_GAP = 2.0  # s between samples; longer gaps cannot be interpolated
 _LONGEST_STANDSTILL = 10.0
 """Longest time in which a ship at sea reads exactly the same [s]."""
-_COLUMNS = {"x_m": 0, "y_m": 1, "z_m": 2, "heave_m": 2, "elevation_m": 2}
+_COLUMNS = {"x_m": 0, "y_m": 1, "z_m": 2, "heave_m": 2}
 
 
 class RecordingError(ValueError):
@@ -35,7 +35,7 @@ class Recording:
 
     path: str  # file or folder that it was read from
     time: Array  # [s] from the first sample, shape (n,)
-    position: Array  # x, y, z of the motion, or 0, 0, elevation [m], shape (n, 3), about its mean
+    position: Array  # x, y, z of the motion [m], shape (n, 3), about its mean
     warnings: tuple[str, ...]  # what was left out, and what of a bag could not be read
 
 
@@ -101,7 +101,7 @@ def _checked(path: Path, samples: Array, lost: list[str], accept: bool) -> Recor
 
 
 def _questions(time: Array, heave: Array) -> list[str]:
-    """Return what is implausible about heave or elevation [m] over time [s]."""
+    """Return what is implausible about heave [m] over time [s]."""
     about = heave - np.median(heave)
     worst = int(np.argmax(np.abs(about)))
     asked = (
@@ -132,8 +132,8 @@ def _csv_samples(path: Path) -> Iterator[tuple[float, float, float, float]]:
     places = {_COLUMNS[name]: header.index(name) for name in header if name in _COLUMNS}
     if "time_s" not in header or 2 not in places:
         raise RecordingError(
-            f"{path}: line {table.header_line}: expected columns time_s and z_m, heave_m or elevation_m; other logs "
-            "are made to this by `heave import`"
+            f"{path}: line {table.header_line}: expected columns time_s and z_m or heave_m; other logs are "
+            "made to this by `heave import`"
         )
     wanted = [header.index("time_s"), *(places.get(axis, -1) for axis in range(3))]
     for number, row in zip(table.lines, table.rows, strict=True):

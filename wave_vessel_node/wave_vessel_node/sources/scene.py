@@ -1,4 +1,4 @@
-"""Everything that a source of motion is made of: sea, vessel, course, seed and time."""
+"""Everything that a source of motion is made of: sea, vessel, seed and time."""
 
 from __future__ import annotations
 
@@ -13,7 +13,6 @@ from wave_vessel_node.sea.realisation import WaveComponents, draw_components
 from wave_vessel_node.sea.sea import build_spectrum
 from wave_vessel_node.sea.spectra import WaveSpectrum
 from wave_vessel_node.source_registry import SOURCES
-from wave_vessel_node.vessel.course import Course
 from wave_vessel_node.vessel.fit import VesselFit, VesselOnCourse
 from wave_vessel_node.vessel.motion import lever_arm_matrix
 from wave_vessel_node.vessel.rao import ResponseTable
@@ -26,9 +25,8 @@ class Scene:
     """What the parameters describe, read and built once."""
 
     parameters: WaveVesselParameters  # as given
-    seed: int  # of sea and drift
+    seed: int  # of the sea
     tick_period: float  # [s]
-    course: Course  # of the vessel
     spectrum: WaveSpectrum | None  # of the sea; None for sources without one
     rao: ResponseTable | None  # of the vessel, where it moves by a table in a sea
     vessel_fit: VesselFit | None  # the second-order vessel fitted to a table, where the parameters ask for it
@@ -61,7 +59,7 @@ class Scene:
         )
 
     def power_response(self, omega: Array) -> Array:
-        """Return |H|^2 from the sea to boom-tip heave at `omega` [rad/s], at the first heading and speed."""
+        """Return |H|^2 from the sea to boom-tip heave at `omega` [rad/s], at its heading and speed."""
         if self.rao is not None:
             course = self.parameters.course
             relative = np.full(omega.shape, self.parameters.direction - course.heading)
@@ -73,12 +71,12 @@ class Scene:
 
 
 def build_scene(parameters: WaveVesselParameters, seed: int, tick_period: float) -> Scene:
-    """Read the files that the parameters name, and build sea, vessel and course.
+    """Read the files that the parameters name, and build sea and vessel.
 
     Parameters
     ----------
     parameters : of sea and vessel
-    seed : of sea and drift
+    seed : of the sea
     tick_period : [s]
 
     Raises SpectrumError, SpectrumFileError or RaoError where the parameters name something that cannot be used.
@@ -90,7 +88,6 @@ def build_scene(parameters: WaveVesselParameters, seed: int, tick_period: float)
         parameters=parameters,
         seed=seed,
         tick_period=tick_period,
-        course=Course(parameters.course),
         spectrum=spectrum,
         rao=_read_rao(parameters, warnings) if has_sea and parameters.vessel.model == "rao" else None,
         vessel_fit=_fit_vessel(parameters, spectrum) if spectrum and parameters.vessel.model == "fitted" else None,
@@ -99,22 +96,20 @@ def build_scene(parameters: WaveVesselParameters, seed: int, tick_period: float)
 
 
 def _read_rao(parameters: WaveVesselParameters, warnings: list[str]) -> ResponseTable:
-    """Read the table of RAOs at the speeds of the course."""
-    vessel, course = parameters.vessel, parameters.course
-    fastest = max(course.speed, course.speed + course.speed_change)
-    speeds = sorted({0.0, course.speed, max(0.0, course.speed + course.speed_change)})
-    table = read_rao(vessel.rao_file, speeds, parameters.accept_implausible)
+    """Read the table of RAOs at the speed of the vessel."""
+    file, speed = parameters.vessel.rao_file, parameters.course.speed
+    table = read_rao(file, sorted({0.0, speed}), parameters.accept_implausible)
     warnings.extend(table.warnings)
-    if fastest > table.speed[-1] + 1e-9:
+    if speed > table.speed[-1] + 1e-9:
         warnings.append(
-            f"{vessel.rao_file or 'shipped RAO'}: covers speeds up to {table.speed[-1]:g} m/s, but the course "
-            f"reaches {fastest:g} m/s: the responses at the highest speed are used"
+            f"{file or 'shipped RAO'}: covers speeds up to {table.speed[-1]:g} m/s, but the course "
+            f"reaches {speed:g} m/s: the responses at the highest speed are used"
         )
     return table
 
 
 def _fit_vessel(parameters: WaveVesselParameters, spectrum: WaveSpectrum) -> VesselFit:
-    """Fit the second-order vessel to the RAO of the boom tip, in this sea, at the first heading and speed."""
+    """Fit the second-order vessel to the RAO of the boom tip, in this sea, at its heading and speed."""
     vessel, course = parameters.vessel, parameters.course
     heading = parameters.direction - course.heading
     on_course = VesselOnCourse(

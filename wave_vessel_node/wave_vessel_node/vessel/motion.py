@@ -19,19 +19,16 @@ DEGREES_OF_FREEDOM = ("surge", "sway", "heave", "roll", "pitch", "yaw")
 class VesselMotions:
     """Motion of the vessel's reference point about its mean, vessel axes, at n ticks in order."""
 
-    time: Array  # simulated time [s], shape (n,), as are all but `six`
+    time: Array  # simulated time [s], shape (n,)
     six: Array  # surge, sway, heave [m], roll, pitch, yaw [rad], and two derivatives, shape (n, 3, 6)
-    elevation: Array  # sea surface above still water below the boom tip [m]
-    heading: Array  # mean heading from world x [rad]
-    turn_rate: Array  # its rate [rad/s]
-    turn_acceleration: Array  # the rate of that [rad/s^2]
-    speed: Array  # mean forward speed [m/s]
+    elevation: Array  # sea surface above still water below the boom tip [m], shape (n,)
+    heading: float = 0.0  # of the vessel from world x [rad]
 
     @classmethod
     def still(cls, ticks: range, tick_period: float) -> VesselMotions:
         """Return the motion of a vessel that does not move, at `ticks` of a `tick_period` [s]."""
-        rows = np.zeros((5, len(ticks)))
-        return cls(np.asarray(ticks, dtype=float) * tick_period, np.zeros((len(ticks), 3, 6)), *rows)
+        count = len(ticks)
+        return cls(np.asarray(ticks, dtype=float) * tick_period, np.zeros((count, 3, 6)), np.zeros(count))
 
 
 def lever_arm_matrix(arm: Array) -> Array:
@@ -61,19 +58,9 @@ def point_motions(motions: VesselMotions, lever: Array, mean_height: float, own:
     points: Array = motions.six @ lever.swapaxes(-1, -2)
     if own is not None:
         points += own
-    if motions.turn_rate.any():
-        _add_turning(points, motions.turn_rate[:, None], motions.turn_acceleration[:, None])
-    if motions.heading.any():
-        cosine, sine = np.cos(motions.heading)[:, None], np.sin(motions.heading)[:, None]
+    if motions.heading:
+        cosine, sine = np.cos(motions.heading), np.sin(motions.heading)
         x, y = points[:, :, 0].copy(), points[:, :, 1].copy()
         points[:, :, 0], points[:, :, 1] = cosine * x - sine * y, sine * x + cosine * y
     points[:, 0, 2] += mean_height
     return points
-
-
-def _add_turning(points: Array, rate: Array, acceleration: Array) -> None:
-    """Add to velocity and acceleration (rows 1, 2 of each point) what turning axes give a point off the mean."""
-    position, velocity = points[:, 0, :2].copy(), points[:, 1, :2].copy()
-    across, across_velocity = (np.stack((-part[:, 1], part[:, 0]), axis=1) for part in (position, velocity))
-    points[:, 1, :2] += rate * across
-    points[:, 2, :2] += 2.0 * rate * across_velocity - rate**2 * position + acceleration * across

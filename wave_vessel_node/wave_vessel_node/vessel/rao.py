@@ -70,7 +70,10 @@ class ResponseTable:
             )
 
     def at(self, frequency: ArrayLike, heading: ArrayLike, speed: float = 0.0) -> ComplexArray:
-        """Return H at pairs of wave frequency and relative heading, shape (6, n); see `SampledResponse`.
+        """Return H at pairs of wave frequency and relative heading, shape (6, n).
+
+        Splines in frequency (`between`) and heading, smooth in speed and held beyond its range. Above the highest
+        frequency a motion falls as 1/omega^4; below the lowest it is held.
 
         Parameters
         ----------
@@ -81,7 +84,7 @@ class ResponseTable:
         frequency, heading = np.atleast_1d(np.asarray(frequency, dtype=float)), np.asarray(heading, dtype=float)
         if heading.size and (heading == heading.flat[0]).all():
             return self._at_one(frequency, float(heading.flat[0]), speed)
-        return self.sampled(frequency).at(np.broadcast_to(heading, frequency.shape), speed)
+        return self._at_each(frequency, np.broadcast_to(heading, frequency.shape), speed)
 
     def _at_one(self, frequency: Array, heading: float, speed: float) -> ComplexArray:
         """Return `at` for all frequencies from one `heading`: the spline in heading is then one weight for each."""
@@ -96,22 +99,19 @@ class ResponseTable:
         found = [np.tensordot(by_heading, one, 1) for one in self._in_frequency(frequency, self.response[counts])]
         return np.asarray(np.tensordot(by_speed[counts], found, 1))
 
-    def sampled(self, frequency: Array) -> SampledResponse:
-        """Return the table at given wave frequencies, for many headings and speeds.
-
-        Parameters
-        ----------
-        frequency : of the waves [rad/s], shape (n,)
-
-        Splines in frequency (`between`) and heading. Above the highest frequency a motion falls as 1/omega^4; below the
-        lowest it is held.
-        """
-        headings = self._headings()
-        coefficients = []
+    def _at_each(self, frequency: Array, heading: Array, speed: float) -> ComplexArray:
+        """Return `at` with a `heading` for each frequency."""
+        knots, angle = self._headings(), np.mod(heading, 2.0 * np.pi)
+        cell = np.clip(np.searchsorted(knots, angle, side="right") - 1, 0, knots.size - 2)
+        powers = (angle - knots[cell])[:, None] ** np.arange(3, -1, -1)
+        chosen = []
         for response in self._in_frequency(frequency, self.response):
-            spline = scipy.interpolate.CubicSpline(headings, response, axis=0, bc_type="periodic")
-            coefficients.append(np.ascontiguousarray(spline.c.transpose(3, 1, 2, 0)))  # (n, cell, 6, 4)
-        return SampledResponse(self.speed, headings, np.array(coefficients))
+            spline = scipy.interpolate.CubicSpline(knots, response, axis=0, bc_type="periodic")
+            coefficients = np.ascontiguousarray(spline.c.transpose(3, 1, 2, 0))  # (n, cell, 6, 4)
+            chosen.append(coefficients[np.arange(angle.size), cell])
+        return np.asarray(
+            np.einsum("ndp,np->dn", np.tensordot(speed_weights(self.speed, speed), chosen, axes=1), powers)
+        )
 
     def _in_frequency(self, frequency: Array, responses: ComplexArray) -> Iterator[ComplexArray]:
         """Yield each of the `responses` (s, h, 6, f) all headings round at a `frequency` (n,), (headings, 6, n)."""
@@ -138,25 +138,6 @@ class ResponseTable:
             response[0] = response[-1] = 0.5 * (response[0] + response[-1])
             return response
         return np.concatenate((response, response[:1]))
-
-
-@dataclass(frozen=True)
-class SampledResponse:
-    """RAOs at fixed wave frequencies, as periodic cubic splines in heading; smooth in speed, held beyond its range."""
-
-    speed: Array  # [m/s], shape (s,)
-    knots: Array  # headings all the way round, 0 to 2 pi [rad]
-    coefficients: ComplexArray  # shape (s, n, cells, 6, 4), highest power first
-
-    def at(self, heading: Array, speed: float) -> ComplexArray:
-        """Return H, shape (6, n), at the `speed` [m/s], with one relative `heading` [rad] for each frequency."""
-        angle = np.mod(heading, 2.0 * np.pi)
-        cell = np.clip(np.searchsorted(self.knots, angle, side="right") - 1, 0, self.knots.size - 2)
-        powers = (angle - self.knots[cell])[:, None] ** np.arange(3, -1, -1)
-        chosen = np.tensordot(
-            speed_weights(self.speed, speed), self.coefficients[:, np.arange(angle.size), cell], axes=1
-        )
-        return np.asarray(np.einsum("ndp,np->dn", chosen, powers))
 
 
 def speed_weights(speeds: Array, speed: float) -> Array:

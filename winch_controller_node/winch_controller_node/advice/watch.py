@@ -69,7 +69,7 @@ class AdviserWatch:
         """Note an answer that came too late."""
         self.late += 1
         if self._in_a_row >= STEADY:
-            late = ALARMS.alarm("ADVISER_LATE", latency=self._latency * self._dt, which=self._which)
+            late = ALARMS.alarm("ADVISER_LOST: late", latency=self._latency * self._dt, which=self._which)
             self._alarms.append(late)
         self._in_a_row = 0
         self._heard()
@@ -77,7 +77,7 @@ class AdviserWatch:
     def refused(self, fault: str) -> None:
         """Note an answer that made no sense, and why (`fault`)."""
         if not self.malformed:
-            self._alarms.append(ALARMS.alarm("ADVISER_REJECTED", fault=fault, which=self._which))
+            self._alarms.append(ALARMS.alarm("ADVISER_LOST: rejected", fault=fault, which=self._which))
         self.malformed += 1
         self._heard()
 
@@ -87,7 +87,7 @@ class AdviserWatch:
         self._silence = waited * self._dt
         if not self._is_silent and waited > round(SILENT / self._dt):
             self._is_silent = True
-            self._alarms.append(ALARMS.alarm("ADVISER_SILENT", time=self._silence, which=self._which))
+            self._alarms.append(ALARMS.alarm("ADVISER_LOST: silent", time=self._silence, which=self._which))
         alarms, self._alarms = self._alarms, []
         return alarms
 

@@ -33,7 +33,7 @@ class Quantity:
     nominal : without a parameter
     relative, absolute : change that is worth a report: of its logarithm, or in its unit; neither: any change
     label : in words, where all that is new of its owner is one report
-    code : of the alarm that it differs from nominal, where it has one of its own
+    alarm : name of the alarm that it differs from nominal, where it has one of its own
     """
 
     name: str
@@ -43,7 +43,7 @@ class Quantity:
     relative: float = 0.0
     absolute: float = 0.0
     label: str = ""
-    code: str = ""
+    alarm: str = ""
 
     @property
     def owner(self) -> str:
@@ -74,16 +74,26 @@ QUANTITIES = {
         Quantity(DEADBAND, "m/s", absolute=0.01, label="dead zone"),
         Quantity(BACKLASH, "m", absolute=0.005, label="encoder play"),
         Quantity(POWER_LIMIT, "W", "winch.power_limit", relative=0.1, label="power limit"),
-        Quantity(ENCODER_SCALE, "", nominal=1.0, relative=0.03, code="ENCODER_SCALE_ERROR"),
-        Quantity(DEPTH_SCALE, "", nominal=1.0, relative=0.05, code="DEPTH_SCALE_ERROR"),
-        Quantity(MRU_SCALE, "", nominal=1.0, relative=0.05, code="MRU_SCALE_ERROR"),
-        Quantity(MRU_OFFSET, "m", absolute=0.05, code="MRU_OFFSET"),
-        Quantity(MRU_DELAY, "s", absolute=0.03, code="MRU_DELAYED"),
-        Quantity("mru.high_pass_period", "s", "sensors.mru.high_pass_period", relative=0.15, code="MRU_HIGH_PASS"),
-        Quantity("mru.bias_drift", "m/sqrt(s)", "sensors.mru.bias_drift", code="MRU_DRIFT"),
+        Quantity(ENCODER_SCALE, "", nominal=1.0, relative=0.03, alarm="IDENTIFIED, ENCODER: scale"),
+        Quantity(DEPTH_SCALE, "", nominal=1.0, relative=0.05, alarm="IDENTIFIED, DEPTH: scale"),
+        Quantity(MRU_SCALE, "", nominal=1.0, relative=0.05, alarm="IDENTIFIED, MRU: scale"),
+        Quantity(MRU_OFFSET, "m", absolute=0.05, alarm="IDENTIFIED, MRU: offset"),
+        Quantity(MRU_DELAY, "s", absolute=0.03, alarm="IDENTIFIED, MRU: delay"),
+        Quantity(
+            "mru.high_pass_period",
+            "s",
+            "sensors.mru.high_pass_period",
+            relative=0.15,
+            alarm="IDENTIFIED, MRU: high pass",
+        ),
+        Quantity("mru.bias_drift", "m/sqrt(s)", "sensors.mru.bias_drift", alarm="IDENTIFIED, MRU: drift"),
         Quantity("mru.bias_sigma", "m", "sensors.mru.bias_sigma"),
-        Quantity("cable.inertia_factor", "", "cable_model.inertia_factor", relative=0.05, code="CABLE_INERTIA"),
-        Quantity("cable.damping_factor", "", "cable_model.damping_factor", relative=0.3, code="CABLE_DAMPING"),
+        Quantity(
+            "cable.inertia_factor", "", "cable_model.inertia_factor", relative=0.05, alarm="IDENTIFIED, CABLE: inertia"
+        ),
+        Quantity(
+            "cable.damping_factor", "", "cable_model.damping_factor", relative=0.3, alarm="IDENTIFIED, CABLE: damping"
+        ),
         Quantity(
             "sea.significant_wave_height",
             "m",

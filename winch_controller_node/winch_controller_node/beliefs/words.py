@@ -14,8 +14,13 @@ from winch_controller_node.interface.alarms import ALARMS
 DIGITS = {"winch": 3, "sea": 1}
 """Parts of which all that is new is one alarm, and the digits of its values."""
 
-ENDS = {"excluded": "EXCLUDED", "recovered": "RECOVERED", "refused": "NOT_DESIGNABLE", "nominal": "NOMINAL"}
-"""End of the alarm code of any other finding, after the part that it is about."""
+OTHERS = {
+    "excluded": "SENSOR_LOST, {}: excluded",
+    "recovered": "SENSOR_RECOVERED, {}",
+    "refused": "NOT_DESIGNABLE, {}",
+    "nominal": "NOMINAL, {}",
+}
+"""Alarm of any other finding, with the part that it is about."""
 
 
 def alarms_of(findings: Sequence[Finding]) -> list[Alarm]:
@@ -48,10 +53,9 @@ def _change(label: str, finding: Finding, digits: int) -> str:
 
 
 def _alarm(finding: Finding) -> Alarm:
-    if finding.code in ENDS:
-        owner = finding.quantity.partition(".")[0]
-        return ALARMS.alarm(f"{owner.upper()}_{ENDS[finding.code]}")
-    row = ALARMS[QUANTITIES[finding.quantity].code]
+    if finding.code in OTHERS:
+        return ALARMS.alarm(OTHERS[finding.code].format(finding.quantity.partition(".")[0].upper()))
+    row = ALARMS[QUANTITIES[finding.quantity].alarm]
     nominal = finding.nominal if math.isfinite(finding.nominal) else 0.0
     values = {"value": finding.value, "nominal": nominal}
     return row.alarm(**{name: values[name] for name in row.names})

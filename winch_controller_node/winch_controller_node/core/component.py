@@ -183,7 +183,7 @@ class WinchController(ControllerEvents):
         modes, reason = self.modes, self.envelope.reason
         waits = modes.mode is Mode.STANDBY and modes.wants_compensation
         latest = (self._next_tick - 1) * self._dt + self.parameters.health.stamp_tolerance
-        hangs, taken_over = self._supervisor.landing.hangs, "" if reason is None else reason.code
+        hangs, taken_over = self._supervisor.landing.hangs, "" if reason is None else reason.name
         driven = Driven(waits, hangs, taken_over, latest, has_mru="mru" not in loop.lost)
         proven = self.proofs.step(measurements, driven, self._estimation.core_tick.delivered)
         self._alarms += proven.alarms

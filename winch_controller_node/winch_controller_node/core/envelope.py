@@ -52,9 +52,9 @@ NOTHING_READ = (math.nan, math.nan, math.nan, 0.0, math.nan, math.nan)
 """Readings of a tick in which nothing came."""
 
 OF_DRUM = {
-    Cause.DRUM: "DRUM_OFF_ORDER",
-    Cause.BRAKE_SLIPS: "DRUM_RUNS_BRAKED",
-    Cause.DRIFT: "DRUM_OR_ENCODER_DRIFTS",
+    Cause.DRUM: "DRUM_OFF_ORDER: distance",
+    Cause.BRAKE_SLIPS: "DRUM_NOT_HELD: count",
+    Cause.DRIFT: "DRUM_OFF_ORDER: drift",
 }
 """Alarms of a drum that is elsewhere than it should be, by cause."""
 
@@ -244,7 +244,7 @@ class OrderEnvelope:
         """Return what is new since the order of the last tick has left."""
         before, self._cause = self._cause, self._core.order.item(CAUSE)
         jumps = self._jumps.begins(int(self._core.order.item(BITS)) & LOAD_JUMPED != 0)
-        found = [ALARMS.alarm("LOAD_CELL_JUMPED", step=1e-3 * self.last.load_step)] if jumps else []
+        found = [ALARMS.alarm("SENSOR_DOUBTFUL, LOAD_CELL: jump", step=1e-3 * self.last.load_step)] if jumps else []
         if not self._cause or self._cause == before:
             return found
         self.reason = _alarm(self.last, self._source)
@@ -294,14 +294,14 @@ def _readings(raw: Measurements) -> tuple[float, ...]:
 def _alarm(sent: EnvelopeOrder, source: str) -> Alarm:
     """Return the alarm of what the envelope took over for, `sent` in place of an order of a `source`."""
     cause = Cause(int(sent.cause))
-    if code := OF_DRUM.get(cause):
-        return ALARMS.alarm(code, distance=sent.value, limit=sent.limit)
+    if name := OF_DRUM.get(cause):
+        return ALARMS.alarm(name, distance=sent.value, limit=sent.limit)
     if cause is Cause.RATE:
-        return ALARMS.alarm("ORDER_TOO_FAST", speed=sent.value, limit=sent.limit)
+        return ALARMS.alarm("ORDER_REPLACED: too fast", speed=sent.value, limit=sent.limit)
     if cause is Cause.TRAVEL:
-        return ALARMS.alarm("ORDER_TOO_FAR", travel=sent.value, limit=sent.limit)
+        return ALARMS.alarm("ORDER_REPLACED: too far", travel=sent.value, limit=sent.limit)
     if cause is Cause.NOT_FINITE:
-        return ALARMS.alarm("ORDER_NOT_FINITE", source=source)
+        return ALARMS.alarm("ORDER_REPLACED: not finite", source=source)
     if cause is Cause.HARM:
         return ALARMS.alarm("LOAD_SWUNG_HIGHER", ratio=sent.value)
     return ALARMS.alarm("STOP_OVERDUE", time=sent.value, limit=sent.limit)

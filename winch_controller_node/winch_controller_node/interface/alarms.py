@@ -1,4 +1,4 @@
-"""Every alarm of the controller: the rows of `alarms.yaml`. Raised by `ALARMS.alarm(code, **values)`."""
+"""Every alarm of the controller: the rows of `alarms.yaml`. Raised by `ALARMS.alarm(name, **values)`."""
 
 from __future__ import annotations
 
@@ -7,7 +7,9 @@ from pathlib import Path
 from heave_node.interface.alarm import AlarmTable, read_alarms
 
 ALARMS: AlarmTable = read_alarms(Path(__file__).with_name("alarms.yaml"))
-"""All of them, by code."""
+"""All of them, by name."""
 
-HARMFUL = frozenset(("UNIT_HEAVE_HIGH", "UNIT_SWING_HIGH", "DRUM_SPEED_OFF", "WORSE_THAN_OFF", "LITTLE_GAIN"))
-"""Codes by which the guard ends compensation that does harm."""
+HARMFUL = frozenset(
+    ("WORSE_THAN_OFF: depth", "WORSE_THAN_OFF: swing", "WORSE_THAN_OFF: estimate", "DRUM_SPEED_OFF", "LITTLE_GAIN")
+)
+"""Names of the alarms by which the guard ends compensation that does harm."""

@@ -54,7 +54,6 @@ class KpiDefinition:
     scale: float = 1.0  # a table shows `scale` times the value [-]
     digits: int = 3  # decimals in a table
     is_count: bool = False  # a whole number
-    heading: str = ""  # its name in a table of windows; "" keeps it out of there
     is_seldom: bool = False  # people see it only where it is not 0
     needs: str = ""  # what a run must have for it to be known, in words; "": nothing that people could miss
     symbols: str = ""  # the formula in the symbols of the field, for those who know them; "": the title says it all

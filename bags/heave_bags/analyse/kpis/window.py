@@ -22,12 +22,8 @@ AFTER_CHANGE = 10.0
 
 
 class Window:
-    """A part of a run, and what several KPIs take from it, worked out once.
-
-    Parameters
-    ----------
-    run : the signals
-    start, end : both ends included [s]
+    """The part of a `run` from `start` to `end` [s], both included, and what several KPIs take from it, worked out
+    once.
     """
 
     def __init__(self, run: RunSignals, start: float, end: float) -> None:

@@ -17,13 +17,10 @@ LEAST_DEPTH = 1.0
 
 
 def measured_height(pressure: Signal, payout: Signal, water: Water) -> Signal:
-    """Return the height of the unit above still water, positive up [m]; empty where the sensor never got wet.
+    """Return the height of the unit above still `water`, positive up [m]; empty where its sensor never got wet.
 
-    Parameters
-    ----------
-    pressure : at the unit, absolute [Pa]
-    payout : of the drum, positive lowers the unit [m]; empty: heights in air stay unknown
-    water : that the pressure is a depth in
+    The `pressure` is absolute [Pa]; `payout` is that of the drum, positive lowers the unit [m]: without it heights in
+    air stay unknown.
     """
     depth = np.array([DEPTH.decode((one,), water)[0] for one in pressure.value.tolist()])
     wet = depth > LEAST_DEPTH

@@ -110,13 +110,8 @@ class MessageDecoder:
 
 
 class ColumnReader:
-    """Collects the messages of one topic and decodes them in batches.
-
-    Parameters
-    ----------
-    topic : that they are of
-    fields : that are wanted; None: all
-    longest : longest sequence that is decoded; None: any
+    """Collects the messages of one `topic` and decodes their `fields`, None: all, in batches; sequences longer than
+    `longest` are left out, None: none.
     """
 
     def __init__(self, topic: BagTopic, fields: Collection[str] | None, longest: int | None) -> None:

@@ -11,13 +11,13 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from heave_bags.errors import NoBagError
-from heave_bags.mcap.bounds import SUFFIX, first_bytes
 from heave_bags.mcap.files import METADATA_NAME, ListedFile
 from heave_bags.mcap.loss import Loss
-from heave_bags.mcap.read.scan import is_like_magic
+from heave_bags.mcap.read.scan import why_not_read
 from heave_bags.mcap.summary import MAGIC
 
-ENDINGS = (".mcap", ".mcap" + SUFFIX, ".mcap.zst")
+ENDINGS = (".mcap", ".mcap.zstd", ".mcap.zst")
+"""Endings of MCAP files; those that are compressed as a whole are named, not read."""
 OTHERS = (".db3", ".bag")
 """Endings of files of another storage: SQLite and ROS 1."""
 _LEFT_BY_OTHERS = "._"
@@ -36,7 +36,7 @@ class BagFiles:
 def is_bag(path: Path) -> bool:
     """Return whether the folder `path` holds a bag; a damaged one may have lost its index."""
     return (path / METADATA_NAME).is_file() or (
-        path.is_dir() and any(_is_named_so(file) or file.suffix in OTHERS for file in path.iterdir())
+        path.is_dir() and any(file.name.endswith((*ENDINGS, *OTHERS)) for file in path.iterdir())
     )
 
 
@@ -75,29 +75,23 @@ def find_files(path: Path, listed: Sequence[ListedFile]) -> BagFiles:
     return found
 
 
-def _is_named_so(file: Path) -> bool:
-    return file.name.endswith(ENDINGS)
-
-
 def _candidates(folder: Path, listed: set[str]) -> list[Path]:
     """Return the files that are listed or have the ending of an MCAP file; if none has, those that begin like one."""
     files = sorted(file for file in folder.iterdir() if file.is_file())
-    named = [file for file in files if _is_named_so(file) or file.name in listed]
+    named = [file for file in files if file.name.endswith(ENDINGS) or file.name in listed]
     return named or [file for file in files if not file.suffix and not _problem(file)]
 
 
 def _problem(file: Path) -> str:
     """Return why a file is not read as MCAP; "" if it is."""
     try:
-        begins = first_bytes(file, len(MAGIC))
-        size = file.stat().st_size
+        with file.open("rb") as stream:
+            begins = stream.read(len(MAGIC))
     except OSError as error:
         return f"the file cannot be read ({error.strerror})"
-    if is_like_magic(begins):
-        return ""
-    if not size:
+    if not begins:
         return "the file is empty"
-    return "the file holds zeros, no MCAP" if not any(begins) else "not an MCAP file"
+    return why_not_read(begins) if any(begins) else "the file holds zeros, no MCAP"
 
 
 def _none(folder: Path, found: BagFiles) -> str:

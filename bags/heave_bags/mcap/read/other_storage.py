@@ -6,9 +6,7 @@ no definitions: they are those of Humble, or the suite's own.
 
 from __future__ import annotations
 
-import sqlite3
 import tempfile
-from contextlib import closing
 from pathlib import Path
 from typing import Any
 
@@ -27,13 +25,8 @@ _METADATA_VERSION = 9
 
 
 class Copied:
-    """A bag as MCAP.
-
-    Parameters
-    ----------
-    path : of the bag, a folder or a file
-    notes : what was copied, and what could not be
-    folder : in which it lies for as long as this object
+    """A bag as MCAP: its `path`, and `notes` on what was copied and what could not be. It lies in a `folder` that goes
+    with this object.
     """
 
     def __init__(self, path: Path, notes: list[str], folder: tempfile.TemporaryDirectory[str]) -> None:
@@ -47,9 +40,7 @@ def source_of(path: Path) -> Path | None:
     if not path.is_dir() or any(path.glob("*.mcap*")):
         return None
     found = sorted(file for file in path.iterdir() if file.is_file() and _begins(file) in (SQLITE, ROS_1))
-    if not found:
-        return None
-    return path if _begins(found[0]) == SQLITE and (path / "metadata.yaml").is_file() else found[0]
+    return found[0] if found else None
 
 
 def copied(source: Path) -> Copied:
@@ -57,7 +48,7 @@ def copied(source: Path) -> Copied:
     folder = tempfile.TemporaryDirectory(prefix="heave_bag_")
     copy, store = Path(folder.name) / "bag", get_typestore(Stores.ROS2_HUMBLE)
     try:
-        read = source if _is_ros_1(source) else _as_folder(source, Path(folder.name))
+        read = source if _is_ros_1(source) else source.parent  # where the `metadata.yaml` of SQLite lies
         with AnyReader([read], default_typestore=store) as reader:
             unknown = _unknown(reader, store)
         convert(
@@ -79,7 +70,8 @@ def copied(source: Path) -> Copied:
         words = " ".join(str(error).split()) or type(error).__name__
         raise BagError(
             f"{source}: a bag of {_kind(source)} that cannot be read ({words}); "
-            "try: ros2 bag convert, or rosbags-convert --src BAG --dst FOLDER --dst-storage mcap"
+            "try: ros2 bag reindex, if metadata.yaml is missing; ros2 bag convert; or "
+            "rosbags-convert --src BAG --dst FOLDER --dst-storage mcap"
         ) from error
     notes = [f"{source.name} is a bag of {_kind(source)}: it was copied to MCAP, then read"]
     if unknown:
@@ -117,43 +109,3 @@ def _unknown(reader: AnyReader, store: Any) -> set[str]:
         except Exception:
             unknown.add(name)
     return unknown
-
-
-def _as_folder(source: Path, place: Path) -> Path:
-    """Return a folder with `metadata.yaml` that rosbags opens: `source`, or one for a single file of SQLite."""
-    if source.is_dir():
-        return source
-    beside = source.parent / "metadata.yaml"
-    folder = place / "source"
-    folder.mkdir()
-    (folder / source.name).symlink_to(source.resolve())
-    if beside.is_file() and source.name in beside.read_text(errors="replace"):
-        return source.parent
-    (folder / "metadata.yaml").write_text(_metadata(source))
-    return folder
-
-
-def _metadata(source: Path) -> str:
-    """Return what `metadata.yaml` says of a single file of SQLite."""
-    with closing(sqlite3.connect(f"{source.resolve().as_uri()}?mode=ro", uri=True)) as base:
-        topics = base.execute("SELECT id, name, type, serialization_format FROM topics").fetchall()
-        counts = dict(base.execute("SELECT topic_id, COUNT(*) FROM messages GROUP BY topic_id").fetchall())
-        first, last = base.execute("SELECT MIN(timestamp), MAX(timestamp) FROM messages").fetchone()
-    first, last = first or 0, last or 0
-    lines = [
-        "rosbag2_bagfile_information:",
-        "  version: 5",
-        "  storage_identifier: sqlite3",
-        "  relative_file_paths:",
-        f"    - {source.name}",
-        f"  duration: {{nanoseconds: {last - first}}}",
-        f"  starting_time: {{nanoseconds_since_epoch: {first}}}",
-        f"  message_count: {sum(counts.values())}",
-        "  compression_format: ''",
-        "  compression_mode: ''",
-        "  topics_with_message_count:",
-    ]
-    for number, name, kind, form in topics:
-        described = f"{{name: {name}, type: {kind}, serialization_format: {form}, offered_qos_profiles: ''}}"
-        lines.append(f"    - {{topic_metadata: {described}, message_count: {counts.get(number, 0)}}}")
-    return "\n".join([*lines, ""])

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import struct
 import zlib
-from collections.abc import Iterator, Mapping, MutableMapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, MutableMapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import NamedTuple
@@ -18,8 +18,8 @@ from mcap.opcode import Opcode
 from mcap.records import Attachment, Channel, Metadata, Schema
 from mcap.summary import Summary
 
-from heave_bags.errors import NoBagError
-from heave_bags.mcap.bounds import LARGEST_RECORD, LATEST_TIME, ZSTD_MAGIC, unpack, unpack_message, unpack_part
+from heave_bags.errors import BagError, NoBagError
+from heave_bags.mcap.bounds import LARGEST_RECORD, LATEST_TIME, ZSTD_MAGIC, unpack, unpack_part
 from heave_bags.mcap.files import count_in_record
 from heave_bags.mcap.loss import NO_FOOTER, Loss, LossAccount
 from heave_bags.mcap.records import CHUNK_HEAD, HEAD, MESSAGE_HEAD, UNPARSEABLE, Record, RecordFile, parse, split_chunk
@@ -37,23 +37,15 @@ _IN_JOURNAL = -1
 
 
 class RawMessage(NamedTuple):
-    """One message of `topic` as recorded: `data`, serialised, with `log_time` [ns]."""
-
-    topic: str
-    log_time: int
-    data: bytes
-
-
-class FoundMessage(NamedTuple):
-    """One message of `topic` as it lies in a file: `data`, with `log_time` and `publish_time` [ns], and the `sequence`
-    number that its publisher gave it; 0 for none.
+    """One message of `topic` as recorded: `data`, serialised, with `log_time` and `publish_time` [ns], and the
+    `sequence` number that its publisher gave it; 0 for none.
     """
 
     topic: str
     log_time: int
-    publish_time: int
-    sequence: int
     data: bytes
+    publish_time: int = 0
+    sequence: int = 0
 
 
 @dataclass
@@ -66,7 +58,6 @@ class FileContents:
     attachments: list[Attachment] = field(default_factory=list)  # in the order of the file
     losses: list[Loss] = field(default_factory=list)  # what could not be read
     is_own: bool = False  # this project has written the file
-    is_packed: bool = False  # its messages are compressed one by one
     complete: bool = False  # the end of the data section was reached
 
 
@@ -122,6 +113,7 @@ class McapScan:
     expected : how many messages the file has, as is written beside it; None where nothing is
     numbering : the next number of each topic's messages, carried from one file of a bag to the next; a topic that is
         not in it begins with 1. None where the files before this one are not known.
+    passed_over : positions of chunks that are not read [bytes]
     """
 
     def __init__(
@@ -130,13 +122,15 @@ class McapScan:
         *,
         expected: int | None = None,
         numbering: MutableMapping[str, int] | None = None,
+        passed_over: Collection[int] = (),
     ) -> None:
         self.path = path
         self.contents = FileContents()
         self.counts: dict[int, int] = {}
         """Messages read, by channel."""
-        self._damaged = 0
-        """Messages that were read but could not be unpacked."""
+        self.spans: dict[int, tuple[int, int]] = {}
+        """First and last log time [ns] of the messages of each chunk, by its position."""
+        self._passed_over = passed_over
         self._expected = expected
         self._numbering = Numbering(self.contents.channels, numbering)
         self.position = 0
@@ -147,7 +141,7 @@ class McapScan:
         self._has_lost_chunk = False
         self._summary: Summary | None = None
 
-    def blocks(self) -> Iterator[list[FoundMessage]]:
+    def blocks(self) -> Iterator[list[RawMessage]]:
         """Yield the messages in the order of the file, some at a time.
 
         Raises BagError if the file is not MCAP or cannot be opened.
@@ -155,7 +149,7 @@ class McapScan:
         with RecordFile(self.path) as file:
             begins = file.read(0, len(MAGIC))
             if not is_like_magic(begins):
-                raise NoBagError(f"{self.path}: not an MCAP file")
+                raise NoBagError(f"{self.path}: {why_not_read(begins)}")
             if begins != MAGIC:
                 self._lose(0, "the bytes that every MCAP file begins with are damaged", 0)
             self._summary = read_summary(file)
@@ -169,7 +163,7 @@ class McapScan:
 
     # Records -------------------------------------------------------------------------------------------------------
 
-    def _records(self, file: RecordFile) -> Iterator[list[FoundMessage]]:
+    def _records(self, file: RecordFile) -> Iterator[list[RawMessage]]:
         position = len(MAGIC)
         while position < file.size:
             self.position = position
@@ -204,7 +198,7 @@ class McapScan:
         self._lose(position, "corrupt records", None)
         return following
 
-    def _record(self, file: RecordFile, record: Record) -> Iterator[list[FoundMessage]]:
+    def _record(self, file: RecordFile, record: Record) -> Iterator[list[RawMessage]]:
         if record.opcode == Opcode.MESSAGE_INDEX:
             self._count_lost(record)
             return
@@ -214,6 +208,8 @@ class McapScan:
             self._lose(record.position, "a record that has become a message by damage", 0)
         elif record.length > 2 * LARGEST_RECORD:
             self._lose(record.position, f"a record of {record.length} bytes, which exceeds the limit,", None)
+        elif record.position in self._passed_over:
+            return
         elif record.opcode == Opcode.CHUNK:
             yield from self._chunk(file.body(record), record.position)
         elif record.opcode == Opcode.HEADER:
@@ -226,7 +222,7 @@ class McapScan:
         self.contents.is_own = is_of_this_project(body)
         self._numbering.is_on = self.contents.is_own
 
-    def _data_end(self, file: RecordFile, record: Record) -> Iterator[list[FoundMessage]]:
+    def _data_end(self, file: RecordFile, record: Record) -> Iterator[list[RawMessage]]:
         """Read the journal of a file whose writer was stopped: it ends properly, but has no summary yet."""
         self.contents.complete = True
         (checksum,) = struct.unpack("<I", file.body(record))
@@ -241,7 +237,7 @@ class McapScan:
         elif self._account.is_empty and checksum not in (0, file.checksum(record.position)):
             self._lose(0, "data other than messages has changed (the file's checksum does not match)", 0)
 
-    def _journalled(self, file: RecordFile, position: int) -> Iterator[list[FoundMessage]]:
+    def _journalled(self, file: RecordFile, position: int) -> Iterator[list[RawMessage]]:
         """Read the journal of what was to follow at `position`, or at the end of a damaged file."""
         self._settle_lost_chunk()
         journal = read_journal(self.path)
@@ -252,7 +248,7 @@ class McapScan:
         if not self._account.is_open:
             self._lose(position, NO_FOOTER, 0)
 
-    def _cut_off(self, file: RecordFile, record: Record) -> Iterator[list[FoundMessage]]:
+    def _cut_off(self, file: RecordFile, record: Record) -> Iterator[list[RawMessage]]:
         """Read what exists of the last record; a compressed chunk gives the blocks that are whole."""
         self._settle_lost_chunk()
         journal = read_journal(self.path)
@@ -275,7 +271,7 @@ class McapScan:
 
     # Chunks --------------------------------------------------------------------------------------------------------
 
-    def _chunk(self, body: bytes, position: int) -> Iterator[list[FoundMessage]]:
+    def _chunk(self, body: bytes, position: int) -> Iterator[list[RawMessage]]:
         try:
             _, _, size, checksum, compression, packed = split_chunk(body)
             records = unpack(compression, packed, size)
@@ -286,13 +282,13 @@ class McapScan:
             return
         yield from self._walk(records, position)
 
-    def _walk(self, records: bytes, position: int, *, may_be_cut: bool = False) -> Iterator[list[FoundMessage]]:
+    def _walk(self, records: bytes, position: int, *, may_be_cut: bool = False) -> Iterator[list[RawMessage]]:
         """Yield the messages of plain records, which may be cut off in the midst of one if they are a journal's."""
         size, offset = len(records), 0
         channels, counts, numbering = self.contents.channels, self.counts, self._numbering
         unpack_head, unpack_message = HEAD.unpack_from, MESSAGE_HEAD.unpack_from
         is_after_loss = self._account.is_open
-        messages: list[FoundMessage] = []
+        messages: list[RawMessage] = []
         undefined = repeated = 0
         while offset + HEAD.size <= size:
             opcode, length = unpack_head(records, offset)
@@ -315,13 +311,13 @@ class McapScan:
                 continue
             data = records[body + MESSAGE_HEAD.size : offset]
             if channel not in counts and data.startswith(ZSTD_MAGIC):
-                self.contents.is_packed = True
+                raise BagError(f"{self.path}: its messages are compressed one by one; write it anew: ros2 bag convert")
             counts[channel] = counts.get(channel, 0) + 1
             if is_after_loss:
                 self._account.end_at(log_time)
                 is_after_loss = False
             self._last_time = log_time
-            messages.append(FoundMessage(channels[channel].topic, log_time, publish_time, sequence, data))
+            messages.append(RawMessage(channels[channel].topic, log_time, data, publish_time, sequence))
             if len(messages) == MOST_IN_BLOCK:
                 yield from self._block(messages, position)
                 messages = []
@@ -336,19 +332,12 @@ class McapScan:
         if undefined:
             self._lose(position, "messages with an undefined channel or an impossible time", undefined)
 
-    def _block(self, messages: list[FoundMessage], position: int) -> Iterator[list[FoundMessage]]:
-        """Yield messages, if there are any; those that are compressed one by one are unpacked."""
-        if self.contents.is_packed:
-            unpacked = [
-                (message, unpack_message(message.data) if message.data.startswith(ZSTD_MAGIC) else message.data)
-                for message in messages
-            ]
-            damaged = sum(data is None for _, data in unpacked)
-            if damaged:
-                self._damaged += damaged
-                self._lose(position, "messages that cannot be unpacked (zstd)", damaged)
-            messages = [message._replace(data=data) for message, data in unpacked if data is not None]
+    def _block(self, messages: list[RawMessage], position: int) -> Iterator[list[RawMessage]]:
+        """Yield messages, if there are any."""
         if messages:
+            times = [message.log_time for message in messages]
+            first, last = self.spans.get(position, (times[0], times[0]))
+            self.spans[position] = (min(first, *times), max(last, *times))
             yield messages
 
     def _take(self, opcode: int, body: bytes, position: int) -> None:
@@ -401,7 +390,7 @@ class McapScan:
     def _settle(self) -> None:
         """Report what the pass has lost, once it has reached the end."""
         self._settle_lost_chunk()
-        read = sum(self.counts.values()) - self._damaged
+        read = sum(self.counts.values())
         expected = self._expected if self._expected is not None else count_in_record(self.contents.metadata)
         lacking = expected - read if expected is not None and expected >= read else None
         if expected is not None and self.contents.complete and read > expected:
@@ -414,6 +403,14 @@ class McapScan:
 def is_like_magic(begins: bytes) -> bool:
     """Return whether `begins`, the first bytes of a file, are those of MCAP, one of them damaged at most."""
     return len(begins) == len(MAGIC) and sum(a != b for a, b in zip(begins, MAGIC, strict=True)) <= 1
+
+
+def why_not_read(begins: bytes) -> str:
+    """Return why a file that `begins` so is not read as MCAP; "" if it is."""
+    if is_like_magic(begins):
+        return ""
+    is_packed = begins.startswith(ZSTD_MAGIC)
+    return "compressed as a whole; unpack it: zstd -d FILE" if is_packed else "not an MCAP file"
 
 
 def attachment_problem(attachment: Attachment, body: bytes, before: Sequence[Attachment]) -> str:

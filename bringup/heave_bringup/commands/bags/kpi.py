@@ -19,13 +19,16 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_bags(parser)
     add_baseline(parser)
     parser.add_argument(
-        "--window", type=float, metavar="S", help="also print the figures for each S seconds of the run"
+        "--window",
+        type=float,
+        metavar="S",
+        help="in --table and --json: the figures for each S seconds of the run",
     )
     parser.add_argument("--table", type=Path, metavar="FILE", help="write the figures to this .csv, .parquet or .xlsx")
 
 
 def execute(options: argparse.Namespace) -> None:
-    """Print the figures of one bag, or of several side by side, and of windows over time, as `options` say."""
+    """Print the figures of one bag, or of several side by side, as `options` say."""
     from heave_bags.analyse import analysis, run_warnings
     from heave_bags.mcap.read.folder import bag_of
 
@@ -48,8 +51,6 @@ def execute(options: argparse.Namespace) -> None:
     ]
     reported = [f"{record.name}: {line}" for record, own in zip(records, warnings, strict=True) for line in own]
     text = "\n".join([analysis.table(records), *reported])
-    if options.window is not None:
-        text = "\n\n".join([text, *(analysis.window_table(record, options.window) for record in records)])
     if options.table is not None:
         analysis.save_frame(analysis.kpi_frame(records, options.window), options.table)
     write_result(options, text, results[0] if len(results) == 1 else {"runs": results})

@@ -1,4 +1,4 @@
-"""`heave report`: the HTML report of bags, and on request its PDF or a picture of its head."""
+"""`heave report`: the HTML report of bags, and on request its PDF."""
 
 from __future__ import annotations
 
@@ -36,7 +36,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--pdf", action="store_true", help="also write a PDF (A4) beside the HTML file; needs Chromium, Chrome or Edge"
     )
-    parser.add_argument("--picture", type=Path, metavar="FILE.png", help="also save the top of the page as a picture")
 
 
 def execute(options: argparse.Namespace) -> None:
@@ -45,7 +44,7 @@ def execute(options: argparse.Namespace) -> None:
     from heave_bags.analyse.verdict import judge
     from heave_bags.mcap.read.folder import bag_of
     from heave_bags.report import headline
-    from heave_bags.report.paper import find_browser, save_pdf, save_picture
+    from heave_bags.report.paper import find_browser, save_pdf
     from heave_bags.report.report import save_report
 
     from heave_bringup.output import check_output, write_result
@@ -53,9 +52,8 @@ def execute(options: argparse.Namespace) -> None:
 
     bags = [bag_of(bag) for bag in options.bags]
     check_output("--output", options.output, (".html", ".htm"), makes_folder=True)
-    check_output("--picture", options.picture, (".png",))
     output = _output(options.output, bags)
-    if options.pdf or options.picture:
+    if options.pdf:
         find_browser()
     records = read_records(
         bags,
@@ -69,9 +67,6 @@ def execute(options: argparse.Namespace) -> None:
     if options.pdf:
         files["pdf"] = output.resolve().with_suffix(".pdf")
         save_pdf(output, files["pdf"])
-    if options.picture:
-        files["picture"] = options.picture.resolve()
-        save_picture(output, files["picture"])
     reported = [f"{record.name}: {line}" for record, one in zip(records, verdicts, strict=True) for line in one.lines()]
     table = analysis.table(records) if options.full else headline.table(records)
     places = [f"{name:<9} {path}" for name, path in files.items()]

@@ -24,7 +24,6 @@ HOURS = 3.0
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the command's own arguments to `parser`."""
     add_scenario(parser)
-    parser.add_argument("--length", type=float, metavar="M", help="rope paid out (default: the scenario's)")
     parser.add_argument("--pictures", type=Path, metavar="DIR", help="draw the figures into this folder")
 
 
@@ -40,11 +39,9 @@ def execute(options: argparse.Namespace) -> None:
 
     from heave_bringup.output import warn, write_result
     from heave_bringup.progress import ProgressLine
-    from heave_bringup.run.checks.files import vessel_warnings
-    from heave_bringup.scenarios import check_lengths, load_scenario
+    from heave_bringup.run.before import vessel_warnings
+    from heave_bringup.scenarios import load_scenario
 
-    if options.length is not None:
-        check_lengths("--length", [options.length])
     scenario = load_scenario(options.scenario, settings=options.set)
     with ProgressLine() as progress:
         progress.show("designing the controller and predicting the loop")
@@ -53,11 +50,9 @@ def execute(options: argparse.Namespace) -> None:
                 scenario.parameters["winch_controller"],
                 tick_period=scenario.run.tick_period,
                 seed=scenario.run.seed,
-                length=options.length,
             )
         except (PlantError, DesignError, ModelError) as error:
-            where = scenario.path if options.length is None else f"--length {options.length:g} of {scenario.path}"
-            raise CommandError(f"{where}: {error}") from error
+            raise CommandError(f"{scenario.path}: {error}") from error
     warn(vessel_warnings(scenario))
     drawn = [] if options.pictures is None else draw_report(report, options.pictures)
     pictures = [f"picture   {path.resolve()}" for path in drawn]
@@ -70,15 +65,12 @@ def execute(options: argparse.Namespace) -> None:
 
 
 def expected_loads(report: DesignReport) -> tuple[float, float]:
-    """Return the largest tension expected in HOURS of the design sea, at the boom tip and at the unit [N].
+    """Return the largest tension expected in HOURS of the design sea of a `report`, at the boom tip and at the unit
+    [N].
 
-    Both are NaN for an identified cable, which knows no weights. The most probable largest of N crests of a
-    narrow-banded Gaussian motion is sigma sqrt(2 ln N) above its mean (M. S. Longuet-Higgins, On the statistical
-    distribution of the heights of sea waves, J. Marine Research 11, 1952).
-
-    Parameters
-    ----------
-    report : of the design, with a crest in each peak period of its sea
+    It has a crest in each peak period. Both are NaN for an identified cable, which knows no weights. The most probable
+    largest of N crests of a narrow-banded Gaussian motion is sigma sqrt(2 ln N) above its mean (M. S. Longuet-Higgins,
+    On the statistical distribution of the heights of sea waves, J. Marine Research 11, 1952).
     """
     crests = HOURS * 3600.0 / report.design.parameters.sea.peak_period
     rise = report.prediction.sigma["tension"] * math.sqrt(2.0 * math.log(crests))

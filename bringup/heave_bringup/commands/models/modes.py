@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-from dataclasses import replace
 from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -25,7 +24,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the command's own arguments to `parser`."""
     add_scenario(parser)
     for name, metavar, text in (
-        ("--length", "M", "rope paid out (default: the scenario's)"),
         ("--longest", "M", "longest rope of the resonance map (default: that paid out)"),
         ("--period", "S", "find the resonant rope length for this period (default: the sea's peak period)"),
         ("--amplitude", "M", "linearise drag at this boom-tip amplitude (default: 0.5)"),
@@ -49,13 +47,10 @@ def execute(options: argparse.Namespace) -> None:
 
     check_output("--picture", options.picture, PICTURE_ENDINGS)
     _check_options(options)
-    for name in ("length", "longest"):
-        if getattr(options, name) is not None:
-            check_lengths(f"--{name}", [getattr(options, name)])
+    if options.longest is not None:
+        check_lengths("--longest", [options.longest])
     scenario = load_scenario(options.scenario, settings=options.set)
     plant, sea = scenario.parameters["cable_sim"], scenario.parameters["wave_vessel"]
-    if options.length is not None:
-        plant = replace(plant, length=options.length)
     sea_period = sea.period if sea.boom_tip_source == "regular" else sea.peak_period
     if not is_compiled(snapshot):
         ProgressLine().tell("compiling the plant: a few seconds, once after installation")

@@ -14,9 +14,10 @@ from heave_bringup.commands.arguments import add_namespace, add_network
 from heave_bringup.errors import CommandError
 
 if TYPE_CHECKING:
-    from heave_bringup.operate.link import RunLink
+    from heave_bringup.operate.link import DepthMove, RunLink
+    from heave_bringup.operate.moves import MoveBy
     from heave_bringup.operate.requests import Answer
-    from heave_bringup.operate.tasks import Move, Task
+    from heave_bringup.operate.tasks import Task
 
 SUMMARY = "Operate a run from another terminal: status, mode, moves, gain, stop, faults."
 EXAMPLES = (
@@ -265,7 +266,7 @@ def _fault(options: argparse.Namespace, link: RunLink) -> Task:
     return AnyOf([link.start(request_fault(device, "clear")) for device in devices])
 
 
-def _follow(move: Move, link: RunLink, *, waits: bool) -> Answer:
+def _follow(move: DepthMove | MoveBy, link: RunLink, *, waits: bool) -> Answer:
     """Show how a move goes until it has ended or, where nobody `waits` for that, is under way."""
     from heave_bringup.operate.moves import Followed
     from heave_bringup.progress import ProgressLine

@@ -62,13 +62,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--pacing", choices=(IN_LOCKSTEP, REALTIME), help="as fast as possible, or paced by the wall clock"
     )
-    parser.add_argument(
-        "--realtime-priority",
-        type=int,
-        metavar="N",
-        help="in real time: SCHED_FIFO priority N (1 to 99) for the nodes that others wait for, with their memory "
-        "locked; falls back with a warning if not permitted",
-    )
     parser.add_argument("--duration", type=float, metavar="S", help="simulated seconds")
     parser.add_argument("--seed", type=int, metavar="N", help="seed of all random numbers")
     parser.add_argument(
@@ -128,9 +121,8 @@ def execute(options: argparse.Namespace) -> None:
     from heave_node.ros.transport.watchdog import check_memory
 
     check_memory()  # before the libraries that want most of it
-    from heave_bringup.network import set_up_transport
+    from heave_bringup.network import ANOTHER_RUN, only_run_in_domain, set_up_transport
     from heave_bringup.progress import be_quiet
-    from heave_bringup.run.one_run import ANOTHER_RUN, only_run_in_domain
     from heave_bringup.scenarios import load_scenario
 
     required = _required(options.require)
@@ -185,8 +177,7 @@ def execute(options: argparse.Namespace) -> None:
 def _check(options: argparse.Namespace, scenario: Scenario, replaced: Replacements) -> None:
     """Refuse, before anything starts, what this run cannot be; warn of what its files leave open."""
     from heave_bringup.output import warn
-    from heave_bringup.run.checks.files import check_design, check_files, check_rest
-    from heave_bringup.run.checks.waves import check_waves
+    from heave_bringup.run.before import check_design, check_files, check_rest, check_waves
     from heave_bringup.run.criteria import refuse_unknown
 
     for criterion in scenario.wanted:
@@ -211,7 +202,7 @@ def _announce(
 ) -> None:
     """Write in the first line of a run what it will be judged by, or that it cannot be judged."""
     from heave_bringup.output import warn
-    from heave_bringup.run.announcement import announce
+    from heave_bringup.run.criteria import announce
 
     words = announce(scenario, required, replaced)
     if not words.is_judged:
@@ -259,8 +250,8 @@ def _required(texts: Sequence[str]) -> list[Criterion]:
 def _own_settings(options: argparse.Namespace) -> list[Setting]:
     """Return the command's own options as changes of the scenario."""
     return [
-        Setting(WILDCARD, name, value, f"--{name.replace('_', '-')} {value}")
-        for name in ("pacing", "realtime_priority", "duration", "seed")
+        Setting(WILDCARD, name, value, f"--{name} {value}")
+        for name in ("pacing", "duration", "seed")
         if (value := getattr(options, name)) is not None
     ]
 

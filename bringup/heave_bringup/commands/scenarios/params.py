@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from heave_node.parameters import ParameterError
 
-from heave_bringup.commands.completion import completed_by
+from heave_bringup.commands.arguments import completed_by
 from heave_bringup.nodes import NODE_BY_NAME
 
 if TYPE_CHECKING:

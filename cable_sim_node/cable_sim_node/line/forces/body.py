@@ -3,7 +3,6 @@
 - Over the Keulegan-Carpenter number KC = 2 pi z_m/D of its heave, tables give vertical added mass and drag. z_m is the
   root of 2 times the mean square of its path through the water, both with the time constant `memory`: of a harmonic
   motion its amplitude. At rest KC is 0; a unit that sinks steadily gets to the end of the table.
-- Near the seabed and near the surface, tables give a factor on the vertical added mass.
 - A unit with a box is wet by the share s of its height that is below the surface: so are its buoyancy, its drag and its
   horizontal added mass. While it enters, underside below the surface and top above it, water slams with
   (1/2) rho C_s A_p U^2, A_p length times breadth, holes included, U the speed through the surface. In DNV-RP-N103
@@ -26,7 +25,6 @@ from heave_node.numerics.compiled import inner_kernel
 
 from cable_sim_node.line import layout as at
 from cable_sim_node.line.arrays import LineArrays
-from cable_sim_node.line.forces.contact import bottom_under
 from cable_sim_node.line.forces.waves import surface_at
 from cable_sim_node.physics.current import between, locate
 from cable_sim_node.physics.hydrodynamics import wet_part
@@ -65,25 +63,14 @@ def look_up(key: float, numbers: Array, first: int, rows: int) -> tuple[float, f
 
 
 @inner_kernel
-def vertical_coefficients(line: LineArrays, depth: float) -> tuple[float, float]:
-    """Return vertical added mass [kg] and (1/2) rho C_D S [kg/m] of the unit at `depth` [m], all of it wet."""
-    numbers, tile = line.numbers, line.tiles[0]
-    added = numbers[at.DEEP + at.UNIT_INERTIA + 2] - numbers[at.UNIT_MASS]
-    drag = numbers[at.DEEP + at.UNIT_DRAG + 2]
-    first = at.NUMBERS + 3 * int(numbers[at.PROFILE_ROWS])
+def vertical_coefficients(line: LineArrays) -> tuple[float, float]:
+    """Return vertical added mass [kg] and (1/2) rho C_D S [kg/m] of the unit, all of it wet."""
+    numbers = line.numbers
     rows = int(numbers[at.KC_ROWS])
     if rows > 0:
-        added, drag = look_up(keulegan_carpenter(numbers), numbers, first, rows)
-    first += 3 * rows
-    rows = int(numbers[at.NEAR_BED_ROWS])
-    if rows > 0 and numbers[at.BED_ON] > 0.0:
-        place = (tile[at.MIDDLE + at.X], tile[at.MIDDLE + at.Y], tile[at.MIDDLE + at.Z])
-        added *= look_up(-bottom_under(place, numbers)[0], numbers, first, rows)[0]
-    first += 3 * rows
-    rows = int(numbers[at.NEAR_SURFACE_ROWS])
-    if rows > 0:
-        added *= look_up(depth, numbers, first, rows)[0]
-    return added, drag
+        return look_up(keulegan_carpenter(numbers), numbers, at.NUMBERS + 3 * int(numbers[at.PROFILE_ROWS]), rows)
+    added = numbers[at.DEEP + at.UNIT_INERTIA + 2] - numbers[at.UNIT_MASS]
+    return added, numbers[at.DEEP + at.UNIT_DRAG + 2]
 
 
 @inner_kernel
@@ -106,7 +93,7 @@ def set_unit(line: LineArrays, time: float, h: float) -> None:
     numbers, tile = line.numbers, line.tiles[0]
     level, rise = surface_at(line, tile[at.MIDDLE + at.X], tile[at.MIDDLE + at.Y], time)
     depth = level - tile[at.MIDDLE + at.Z]
-    added, drag = vertical_coefficients(line, depth)
+    added, drag = vertical_coefficients(line)
     height, slamming, full, slam = numbers[at.BOX_HEIGHT], numbers[at.SLAMMING], added, 0.0
     wet, added = wet_part(depth, height, slamming, full)
     if height > 0.0 and slamming > 0.0:

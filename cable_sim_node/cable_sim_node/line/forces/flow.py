@@ -1,4 +1,4 @@
-"""Motion of the water along the line: current profile with a factor in time, and waves.
+"""Motion of the water along the line: current profile, and waves.
 
 Arguments: `line` the arrays, `time` [s].
 """
@@ -34,13 +34,10 @@ def set_flow_at(line: LineArrays, t: int, low: int, high: int, time: float) -> N
     """
     tile, numbers = line.tiles[t], line.numbers
     current = line.water[: int(numbers[at.PROFILE_END])]
-    schedule = line.water[int(numbers[at.PROFILE_END]) : int(numbers[at.SCHEDULE_END])]
-    first, last, share = locate(time, schedule)
-    factor = between(schedule, first, last, share, 1)
     z = 0.5 * (tile[at.MIDDLE + at.Z + low] + tile[at.MIDDLE + at.Z + high])
     first, last, share = locate(-z, current)
-    tile[at.FLOW_X + high] = factor * between(current, first, last, share, FLOW)
-    tile[at.FLOW_Y + high] = factor * between(current, first, last, share, FLOW + 1)
+    tile[at.FLOW_X + high] = between(current, first, last, share, FLOW)
+    tile[at.FLOW_Y + high] = between(current, first, last, share, FLOW + 1)
     tile[at.FLOW_Z + high] = 0.0
     if numbers[at.WAVES] > 0.0:
         x = 0.5 * (tile[at.MIDDLE + at.X + low] + tile[at.MIDDLE + at.X + high])

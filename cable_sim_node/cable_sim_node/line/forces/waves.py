@@ -29,7 +29,7 @@ _REACH = 10.0
 @inner_kernel
 def surface_at(line: LineArrays, x: float, y: float, time: float) -> tuple[float, float]:
     """Return the height of the surface [m] and its rate [m/s]."""
-    numbers, waves = line.numbers, line.water[int(line.numbers[at.SCHEDULE_END]) :]
+    numbers, waves = line.numbers, line.water[int(line.numbers[at.PROFILE_END]) :]
     if numbers[at.WAVES] == 0.0:
         return 0.0, 0.0
     since, height, rate = time - numbers[at.WAVE_START], 0.0, 0.0
@@ -45,7 +45,7 @@ def surface_at(line: LineArrays, x: float, y: float, time: float) -> tuple[float
 @inner_kernel
 def add_waves(line: LineArrays, x: float, y: float, z: float, time: float, tile: Array, place: int) -> None:
     """Add the waves' velocity to the flow at a `place` of `tile`, and set its acceleration."""
-    numbers, waves = line.numbers, line.water[int(line.numbers[at.SCHEDULE_END]) :]
+    numbers, waves = line.numbers, line.water[int(line.numbers[at.PROFILE_END]) :]
     since, wet = time - numbers[at.WAVE_START], min(z, 0.0)
     u = v = w = ax = ay = az = 0.0
     for c in range(waves.shape[0]):

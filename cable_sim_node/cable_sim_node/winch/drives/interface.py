@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import NamedTuple, Protocol
 
 from heave_node.interface.codes import WinchLimit
@@ -34,32 +33,12 @@ class DriveState(NamedTuple):
     brake: bool  # the brake holds the drum
 
 
-@dataclass(frozen=True)
-class DriveEnergy:
-    """Energy since the start [J]: what went in is what was lost and what is stored."""
-
-    supplied: float  # by the ship's supply, net [J]
-    from_load: float  # by the rope, the integral of tension times payout rate [J]
-    lost: float  # as heat, in motor, fluid, friction and brake [J]
-    stored: float  # kinetic, in compressed fluid and gas [J]; less what was stored at the start
-
-    @property
-    def imbalance(self) -> float:
-        """Energy that the books miss [J]; 0 but for the error of the integration."""
-        return self.supplied + self.from_load - self.lost - self.stored
-
-
 class Drive(Protocol):
     """A drive: set-points and tension in, motion of the rope out."""
 
     @property
     def state(self) -> DriveState:
         """State now."""
-        ...
-
-    @property
-    def energy(self) -> DriveEnergy:
-        """The books since the start."""
         ...
 
     def instruments(self) -> Mapping[str, float]:

@@ -12,7 +12,7 @@ from collections.abc import Mapping
 from heave_node.interface.codes import WinchLimit
 
 from cable_sim_node.winch import drive
-from cable_sim_node.winch.drives.interface import DriveCommand, DriveEnergy, DriveState, check_step
+from cable_sim_node.winch.drives.interface import DriveCommand, DriveState, check_step
 from cable_sim_node.winch.parameters import WinchParameters
 
 
@@ -28,13 +28,7 @@ class SpeedServo:
         self._p = parameters
         self._settings = drive.as_array(drive.settings_of(parameters))
         self._time = 0.0
-        self._from_load = 0.0
         self.state = DriveState(0.0, 0.0, 0.0, 0.0, 0.0, WinchLimit.NONE, False)
-
-    @property
-    def energy(self) -> DriveEnergy:
-        """The books since the start."""
-        return DriveEnergy(-self._from_load, self._from_load, 0.0, 0.0)
 
     def instruments(self) -> Mapping[str, float]:
         """Return nothing: the servo has no insides."""
@@ -62,7 +56,6 @@ class SpeedServo:
             settings,
         )
         moved = payout - before.payout
-        self._from_load += tension * moved
         brake = command.brake and rate == 0.0
         supply = -tension * moved / duration
         acted = WinchLimit(limits) if limits else WinchLimit.NONE

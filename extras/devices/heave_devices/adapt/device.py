@@ -8,7 +8,7 @@ from collections.abc import Callable
 from typing import Any
 
 from heave_bringup.errors import CommandError
-from heave_node.crane.messages import pose_message
+from heave_node.crane.pose import pose_message
 from heave_node.extras import how_to_install
 from heave_node.interface import topics
 from heave_node.interface.messages import SensorMessages, message_type

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import argparse
 import math
-from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from heave_bringup.commands.arguments import add_scenario
 from heave_bringup.commands.models.loads import load_lines, refuse_failed, strengths_in
@@ -103,7 +102,7 @@ def execute(options: argparse.Namespace) -> None:
     if not is_compiled(march):
         ProgressLine().tell("compiling the static solver: a few seconds, once after installation")
     try:
-        report = PROBLEMS[options.problem](scenario, options)
+        report = _report(scenario, options)
     except PlantError as error:
         raise CommandError(f"{scenario.path}: {error}") from error
     suffix = "static" if options.problem == "hanging" else options.problem
@@ -147,73 +146,36 @@ def _depth(scenario: Scenario, options: argparse.Namespace) -> float:
     return float(depth)
 
 
-def _course(options: argparse.Namespace) -> float:
-    return math.radians(options.course or 0.0)
-
-
-def _hanging(scenario: Scenario, options: argparse.Namespace) -> LoadReport:  # noqa: ARG001 (one signature for all)
+def _report(scenario: Scenario, options: argparse.Namespace) -> LoadReport:
+    """Return the report of the requested problem."""
+    from heave_statics.reports.footprint import footprint_report
     from heave_statics.reports.hanging import hanging_report
-
-    plant = scenario.parameters["cable_sim"]
-    return hanging_report(plant, (0.0, 0.0, plant.boom_tip_height))
-
-
-def _towing(scenario: Scenario, options: argparse.Namespace) -> LoadReport:
+    from heave_statics.reports.laying import laying_report
+    from heave_statics.reports.mooring import mooring_report
     from heave_statics.reports.towing import towing_report
 
     plant = scenario.parameters["cable_sim"]
-    tip = (0.0, 0.0, plant.boom_tip_height)
-    return towing_report(plant, options.speed, course=_course(options), boom_tip=tip)
-
-
-def _mooring(scenario: Scenario, options: argparse.Namespace) -> LoadReport:
-    from heave_statics.reports.mooring import mooring_report
-
-    plant = scenario.parameters["cable_sim"]
-    return mooring_report(
-        plant,
-        _depth(scenario, options),
-        offsets=options.offset or (),
-        pulls=options.pull or (),
-        direction=_course(options),
-        boom_tip_height=plant.boom_tip_height,
-    )
-
-
-def _footprint(scenario: Scenario, options: argparse.Namespace) -> LoadReport:
-    from heave_statics.reports.footprint import footprint_report
-
-    plant = scenario.parameters["cable_sim"]
-    return footprint_report(
-        plant,
-        _depth(scenario, options),
-        options.thrust,
-        tension_limit=math.inf if options.tension_limit is None else options.tension_limit,
-        vertical_pull=options.vertical_pull,
-        boom_tip_height=plant.boom_tip_height,
-    )
-
-
-def _laying(scenario: Scenario, options: argparse.Namespace) -> LoadReport:
-    from heave_statics.reports.laying import laying_report
-
-    plant = scenario.parameters["cable_sim"]
+    height, course = plant.boom_tip_height, math.radians(options.course or 0.0)
+    tip = (0.0, 0.0, height)
+    if options.problem == "hanging":
+        return hanging_report(plant, tip)
+    if options.problem == "towing":
+        return towing_report(plant, options.speed, course=course, boom_tip=tip)
+    depth = _depth(scenario, options)
+    if options.problem == "mooring":
+        offsets, pulls = options.offset or (), options.pull or ()
+        return mooring_report(plant, depth, offsets=offsets, pulls=pulls, direction=course, boom_tip_height=height)
+    if options.problem == "footprint":
+        limit = math.inf if options.tension_limit is None else options.tension_limit
+        pull = options.vertical_pull
+        return footprint_report(
+            plant, depth, options.thrust, tension_limit=limit, vertical_pull=pull, boom_tip_height=height
+        )
     return laying_report(
-        plant,
-        _depth(scenario, options),
-        options.speed,
-        course=_course(options),
-        rise=math.cos(_course(options)) * plant.seabed.slope[0] + math.sin(_course(options)) * plant.seabed.slope[1],
+        *(plant, depth, options.speed),
+        course=course,
+        rise=math.cos(course) * plant.seabed.slope[0] + math.sin(course) * plant.seabed.slope[1],
         payout_speed=options.payout_speed,
         bottom_tension=options.bottom_tension or 0.0,
-        boom_tip_height=plant.boom_tip_height,
+        boom_tip_height=height,
     )
-
-
-PROBLEMS: dict[str, Callable[[Any, argparse.Namespace], LoadReport]] = {
-    "hanging": _hanging,
-    "towing": _towing,
-    "mooring": _mooring,
-    "footprint": _footprint,
-    "laying": _laying,
-}

@@ -185,8 +185,7 @@ def pressure_shortening(parameters: CableSimParameters, shape: StaticShape) -> f
 def hanging_report(parameters: CableSimParameters, boom_tip: ArrayLike = (0.0, 0.0, 0.0)) -> HangingReport:
     """Return the static equilibrium of a plant's cable and unit at payout 0.
 
-    Bending stiffness, waves, passive compensator and rope path have no part in it; a current that changes in time is
-    taken at the start.
+    Bending stiffness, waves, passive compensator and rope path have no part in it.
 
     Parameters
     ----------

@@ -11,14 +11,14 @@ import numpy as np
 from cable_sim_node.errors import StaticsError
 from cable_sim_node.parameters import CableSimParameters
 from cable_sim_node.physics.current import current_of
-from cable_sim_node.reports.report import columns
 from heave_node.sheet import Column, Sheet
 
 from heave_statics.laying import Laying, covering_payout, critical_angle, lay
+from heave_statics.reports.cases import CasesReport, SideView, draw_sides, unit_vector
 from heave_statics.suspended import refuse_unbearable, static_sections
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+    from matplotlib.axes import Axes
 
 
 @dataclass(frozen=True)
@@ -46,63 +46,6 @@ LAYS = Sheet(
 """Columns of a lay at each speed."""
 
 
-@dataclass(frozen=True)
-class LayingReport:
-    """The lay at several speeds."""
-
-    depth: float  # of the bottom [m]
-    course: float  # of the ship, from x towards y [rad]
-    lays: tuple[LaidCable, ...]  # one for each speed
-
-    @property
-    def largest_tension(self) -> float:
-        """Largest tension at the boom tip in any of its rows [N]."""
-        return max(laid.laying.tension for laid in self.lays)
-
-    @property
-    def unit_load(self) -> float:
-        """NaN: the cable holds no unit."""
-        return math.nan
-
-    def values(self) -> dict[str, object]:
-        """Return the numbers with units in their names, for a machine."""
-        return {
-            "depth_m": self.depth,
-            "course_deg": math.degrees(self.course),
-            "lays": LAYS.records(self.lays),
-        }
-
-    def table(self) -> str:
-        """Return the report as text for a person."""
-        return columns(LAYS.headings, LAYS.cells(self.lays))
-
-    def draw(self, figure: Figure) -> None:
-        """Draw the cable from the side at every speed, and the touchdown from above, into `figure`."""
-        side, top = figure.subplots(1, 2)
-        along = np.array([math.cos(self.course), math.sin(self.course)])
-        across = np.array([-along[1], along[0]])
-        for laid in self.lays:
-            points = laid.laying.shape[:, :2] + laid.laying.touchdown
-            (line,) = side.plot(points @ along, laid.laying.shape[:, 2], label=f"{laid.speed:g} m/s")
-            top.plot(points @ along, points @ across, color=line.get_color())
-            top.plot(points[0] @ along, points[0] @ across, "o", color=line.get_color())
-        side.axhline(-self.depth, color="saddlebrown", linewidth=2.0)
-        side.set(xlabel="along the course from the ship [m]", ylabel="z [m]", title="cable from the side")
-        side.legend(title="ship", fontsize="small")
-        top.plot(0.0, 0.0, "r^", markersize=8.0, label="ship")
-        top.set(
-            xlabel="along the course from the ship [m]",
-            ylabel="to port of the course [m]",
-            title="touchdown from above",
-        )
-        top.legend(loc="best", fontsize="small")
-        extent = 0.1 * max(laid.behind for laid in self.lays)
-        low, high = top.get_ylim()
-        top.set_ylim(min(low, -extent), max(high, extent))
-        for axis in (side, top):
-            axis.grid(alpha=0.3)
-
-
 def laying_report(
     parameters: CableSimParameters,
     depth: float,
@@ -113,8 +56,8 @@ def laying_report(
     payout_speed: float | None = None,
     bottom_tension: float = 0.0,
     boom_tip_height: float = 0.0,
-) -> LayingReport:
-    """Return the lay of a plant's main cable at every speed of the ship.
+) -> CasesReport:
+    """Return the lay of a plant's main cable at every speed of the ship; rows are `LaidCable`.
 
     Parameters
     ----------
@@ -136,7 +79,8 @@ def laying_report(
         if the cable does not come up to the ship.
     """
     section, current = static_sections(parameters)[-1], current_of(parameters)
-    along = np.array([math.cos(course), math.sin(course)])
+    along = unit_vector(course)
+    across = np.array([-along[1], along[0]])
     lays = []
     for speed in speeds:
         if not (math.isfinite(speed) and speed > 0.0):
@@ -153,4 +97,27 @@ def laying_report(
         x, y = laying.touchdown
         sideways = float(y * along[0] - x * along[1])
         lays.append(LaidCable(speed, -float(laying.touchdown @ along), sideways, angle, payout, laying))
-    return LayingReport(depth, course, tuple(lays))
+
+    def panels(side: Axes, top: Axes) -> None:
+        ways = [(laid.laying.shape[:, :2] + laid.laying.touchdown) @ np.column_stack((along, across)) for laid in lays]
+        views = [
+            SideView(f"{laid.speed:g} m/s", way[:, 0], laid.laying.shape[:, 2])
+            for laid, way in zip(lays, ways, strict=True)
+        ]
+        draw_sides(side, views, legend="ship", along="along the course from the ship [m]", depth=depth)
+        for way in ways:
+            (line,) = top.plot(*way.T)
+            top.plot(*way[0], "o", color=line.get_color())
+        top.plot(0.0, 0.0, "r^", markersize=8.0, label="ship")
+        words = {"ylabel": "to port of the course [m]", "title": "touchdown from above"}
+        top.set(xlabel="along the course from the ship [m]", **words)
+        top.legend(loc="best", fontsize="small")
+        extent = 0.1 * max(laid.behind for laid in lays)
+        low, high = top.get_ylim()
+        top.set_ylim(min(low, -extent), max(high, extent))
+
+    return CasesReport(
+        *(LAYS, "lays", tuple(lays), {"depth_m": depth, "course_deg": math.degrees(course)}),
+        largest_tension=max(laid.laying.tension for laid in lays),
+        panels=panels,
+    )

@@ -10,17 +10,17 @@ from typing import TYPE_CHECKING
 import numpy as np
 from cable_sim_node.parameters import CableSimParameters
 from cable_sim_node.physics.current import current_of
-from cable_sim_node.reports.report import columns
 from heave_node.numerics.arrays import Array
 from heave_node.sheet import Column, Sheet
 
 from heave_statics.problems import mooring_cable, submerged_cable
+from heave_statics.reports.cases import CasesReport, SideView, draw_curves, draw_sides, unit_vector
 from heave_statics.shape import StaticShape
 from heave_statics.suspended import shape_at_rest
 from heave_statics.system import PointLoad, StaticCable
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+    from matplotlib.axes import Axes
 
 LIES_BELOW = 1e-3
 """A cable that comes further below its lower end than this [m] would lie on the bottom."""
@@ -50,62 +50,6 @@ CABLES = Sheet(
 """Columns of a moored cable at each place of the ship."""
 
 
-@dataclass(frozen=True)
-class MooringReport:
-    """The moored cable at several places of the ship."""
-
-    depth: float  # of the lower end [m]
-    direction: float  # in which the ship drifts or pulls, from x towards y [rad]
-    cables: tuple[MooredCable, ...]  # one for each place
-
-    @property
-    def largest_tension(self) -> float:
-        """Largest tension at the boom tip in any of its rows [N]."""
-        return max(cable.shape.top_tension for cable in self.cables)
-
-    @property
-    def unit_load(self) -> float:
-        """NaN: the cable holds no unit."""
-        return math.nan
-
-    def values(self) -> dict[str, object]:
-        """Return the numbers with units in their names, for a machine."""
-        return {
-            "depth_m": self.depth,
-            "direction_deg": math.degrees(self.direction),
-            "cables": CABLES.records(self.cables),
-        }
-
-    def table(self) -> str:
-        """Return the report as text for a person."""
-        lying = [cable for cable in self.cables if cable.below > LIES_BELOW]
-        notes = [
-            f"offset {cable.offset:.2f} m: the cable sags {cable.below:.2f} m below its lower end; the seabed it "
-            "would lie on is not modelled"
-            for cable in lying
-        ]
-        return "\n".join([columns(CABLES.headings, CABLES.cells(self.cables)), *notes])
-
-    def draw(self, figure: Figure) -> None:
-        """Draw the cable from the side at every place, and the tensions over the offset, into `figure`."""
-        side, curves = figure.subplots(1, 2)
-        along = np.array([math.cos(self.direction), math.sin(self.direction)])
-        for cable in self.cables:
-            curve = cable.shape.curve()
-            side.plot(curve[:, :2] @ along, curve[:, 2], label=f"{cable.offset:.1f} m")
-        side.axhline(-self.depth, color="saddlebrown", linewidth=2.0)
-        side.set(xlabel="from the lower end [m]", ylabel="z [m]", title="cable from the side")
-        side.legend(title="offset", fontsize="small")
-        offsets = [cable.offset for cable in self.cables]
-        curves.plot(offsets, [cable.pull / 1e3 for cable in self.cables], "o-", label="horizontal pull")
-        curves.plot(offsets, [cable.shape.top_tension / 1e3 for cable in self.cables], "s-", label="top tension")
-        curves.plot(offsets, [cable.anchor_tension / 1e3 for cable in self.cables], "^-", label="bottom tension")
-        curves.set(xlabel="offset of the boom tip [m]", ylabel="[kN]", title="forces of the cable")
-        curves.legend(fontsize="small")
-        for axis in (side, curves):
-            axis.grid(alpha=0.3)
-
-
 def mooring_report(
     parameters: CableSimParameters,
     depth: float,
@@ -114,8 +58,8 @@ def mooring_report(
     pulls: Sequence[float] = (),
     direction: float = 0.0,
     boom_tip_height: float = 0.0,
-) -> MooringReport:
-    """Return the equilibria of a cable whose lower end is held at the bottom.
+) -> CasesReport:
+    """Return the equilibria of a cable whose lower end is held at the bottom; rows are `MooredCable`.
 
     Parameters
     ----------
@@ -133,7 +77,7 @@ def mooring_report(
     NoEquilibriumError
         where there is no such equilibrium.
     """
-    along = np.array([math.cos(direction), math.sin(direction)])
+    along = unit_vector(direction)
     anchor, current = np.array([0.0, 0.0, -depth]), current_of(parameters)
 
     def at_offset(offset: float) -> Callable[[StaticCable], StaticShape]:
@@ -145,7 +89,31 @@ def mooring_report(
 
     solvers = [*(at_offset(offset) for offset in offsets), *(under_pull(pull) for pull in pulls)]
     shapes = [shape_at_rest(parameters, solve, PointLoad(0.0)) for solve in solvers]
-    return MooringReport(depth, direction, tuple(_moored(shape, along) for shape in shapes))
+    cables = tuple(_moored(shape, along) for shape in shapes)
+
+    def panels(side: Axes, curves: Axes) -> None:
+        drawn = [(f"{cable.offset:.1f} m", cable.shape.curve()) for cable in cables]
+        views = [SideView(name, curve[:, :2] @ along, curve[:, 2]) for name, curve in drawn]
+        draw_sides(side, views, legend="offset", along="from the lower end [m]", depth=depth)
+        forces = {
+            "horizontal pull": [cable.pull / 1e3 for cable in cables],
+            "top tension": [cable.shape.top_tension / 1e3 for cable in cables],
+            "bottom tension": [cable.anchor_tension / 1e3 for cable in cables],
+        }
+        words = {"xlabel": "offset of the boom tip [m]", "ylabel": "[kN]", "title": "forces of the cable"}
+        draw_curves(curves, [cable.offset for cable in cables], forces, **words)
+
+    return CasesReport(
+        *(CABLES, "cables", cables, {"depth_m": depth, "direction_deg": math.degrees(direction)}),
+        largest_tension=max(cable.shape.top_tension for cable in cables),
+        panels=panels,
+        notes=tuple(
+            f"offset {cable.offset:.2f} m: the cable sags {cable.below:.2f} m below its lower end; the seabed it "
+            "would lie on is not modelled"
+            for cable in cables
+            if cable.below > LIES_BELOW
+        ),
+    )
 
 
 def _moored(shape: StaticShape, along: Array) -> MooredCable:

@@ -19,7 +19,7 @@ nominal winch's limit):
       - name: MRU lost
         run: {duration: 300, transient: 120, set: {winch_controller.law: mpc}}      # the whole loop
         event: {device: mru, fault: gap, at: 200 s, duration: 5 s}
-        alarms: [MRU_STALE]
+        alarms: ["SENSOR_LOST, MRU"]
         wanted: {alarm_time_s: ["> 0", "<= 0.5"], recovery_time_s: "<= 30"}
       - name: residual
         record: {from: 100, to: 500}  # of a record this part is judged; a step may have this beside winch or run
@@ -205,7 +205,7 @@ def _criteria(wanted: Mapping[str, Any], where: str) -> tuple[Criterion, ...]:
 
 
 def _alarms(codes: Any, where: str, event: Event | None) -> tuple[str, ...]:
-    known = {code for table in TABLES.values() for code in table}
+    known = {row.code for table in TABLES.values() for row in table.values()}
     codes = codes if isinstance(codes, list) else [codes]
     unknown = next((code for code in codes if code not in known), None)
     if unknown is not None:

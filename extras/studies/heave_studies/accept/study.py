@@ -13,9 +13,8 @@ from types import MappingProxyType
 import pandas
 from heave_bags.errors import BagError
 from heave_bringup.errors import CommandError
-from heave_bringup.network import set_up_transport
+from heave_bringup.network import ANOTHER_RUN, set_up_transport
 from heave_bringup.progress import ProgressLine
-from heave_bringup.run.one_run import ANOTHER_RUN
 from heave_bringup.scenarios import Scenario, load_scenario
 from heave_bringup.settings import make_setting, parse_setting
 from heave_bringup.stored_scenario import stored_sections, stored_title

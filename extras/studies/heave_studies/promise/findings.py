@@ -15,11 +15,13 @@ Alarm = tuple[float, str]
 WINCH, ENCODER, DRUM = "winch", "encoder", "drum"
 PARTS = ("mru", "depth", ENCODER, "load_cell", "cable")
 """Parts that an alarm may blame by itself."""
-LOAD = ("CABLE_SLACK", "TENSION_HIGH", "TENSION_TRAVEL_HALF", "TENSION_TRAVEL_END", "TENSION_LIMIT_LOW")
+LOAD = ("CABLE_SLACK", "TENSION_HIGH", "TENSION_TRAVEL", "TENSION_LIMIT_LOW")
 """Alarms of the load of a cable, which is as it should be."""
-NO_BLAME = (*LOAD, "LOWERING_BLIND", *(code for code in ALARMS if code.endswith("_NOT_DESIGNABLE")))
+NO_BLAME = (*LOAD, "LOWERING_BLIND", *(code for code in ALARMS if code.startswith("NOT_DESIGNABLE")))
 NO_WARNING = ("AUTHORITY_LIMITED", "PROGRAMME_REJECTED", "PREVIEW_REJECTED")
 """Alarms above an event that are no trouble of a part."""
+IDENTIFIED = ("WINCH_MODEL_UPDATED", "IDENTIFIED")
+"""How the codes of events begin that name a part which is not as stated."""
 
 
 @dataclass(frozen=True)
@@ -40,12 +42,12 @@ def blamed_by(alarm: ReadAlarm, *, noise: bool = True) -> tuple[str, ...]:
     """Return the parts of which an `alarm` blames one; empty: none. Whether too much `noise` is blame is a choice."""
     if alarm.code == "WINCH_MODEL_UPDATED":
         return (WINCH, ENCODER) if [name for name, _ in changes_in(alarm.text)] == ["gain by the encoder"] else (WINCH,)
-    row = ALARMS[alarm.code]
-    if row.severity is Severity.EVENT or row.part not in PARTS or alarm.code in NO_BLAME:
+    part = next((row.part for row in ALARMS.of_code(alarm.code)), "")
+    is_event = alarm.severity is Severity.EVENT and not alarm.code.startswith(IDENTIFIED)
+    if is_event or part not in PARTS or alarm.code in NO_BLAME:
         return ()
-    if alarm.code.endswith("_NOISE_HIGH") and not noise:
-        return ()
-    return (row.part,)
+    is_noise = alarm.code.startswith("SENSOR_DOUBTFUL") and alarm.text.startswith("noise of ")
+    return () if is_noise and not noise else (part,)
 
 
 def findings_of(alarms: Sequence[Alarm]) -> list[Finding]:
@@ -58,4 +60,4 @@ def warnings_of(alarms: Sequence[Alarm]) -> list[float]:
     """Return the times [s] of the `alarms` that report trouble; events, moves and limited authority do not."""
     read = [(time, one) for time, words in alarms for one in alarms_in(words)]
     troubles = [time for time, one in read if one.severity > Severity.EVENT and one.code not in NO_WARNING]
-    return sorted(troubles + [time for time, one in read if one.code == "WINCH_MODEL_UPDATED"])
+    return sorted(troubles + [time for time, one in read if one.code.startswith(IDENTIFIED)])

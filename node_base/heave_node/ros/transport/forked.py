@@ -34,11 +34,9 @@ _program = ctypes.create_string_buffer(64)
 
 @contextmanager
 def forks(count: int) -> Iterator[list[Forked]]:
-    """Give forks that wait, fewer where the system allows no more; those left in the list are ended.
+    """Give `count` forks that wait, fewer where the system allows no more; those left in the list are ended.
 
-    Parameters
-    ----------
-    count : of them; there are none where this process cannot be forked safely
+    There are none where this process cannot be forked safely.
     """
     waiting: list[Forked] = []
     try:

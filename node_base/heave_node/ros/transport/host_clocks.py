@@ -29,12 +29,7 @@ class ClockOffset:
 
 
 class HostClocks:
-    """Offsets of the clocks of other nodes' hosts.
-
-    Parameters
-    ----------
-    clock : returns the wall time [s]
-    """
+    """Offsets of the clocks of other nodes' hosts; `clock` returns the wall time [s]."""
 
     def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:
         self._from: dict[str, float] = {}

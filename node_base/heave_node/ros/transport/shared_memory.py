@@ -14,10 +14,8 @@ from __future__ import annotations
 
 import fcntl
 import os
-import re
 import time
-from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import suppress
 from pathlib import Path
 
 SHARED_MEMORY = Path("/dev/shm")
@@ -25,7 +23,7 @@ SHARED_MEMORY = Path("/dev/shm")
 MINIMUM_AGE = 10.0
 """Files that are younger may be half made [s]: Fast DDS creates a lock file first and takes the lock then."""
 
-_LOCK = re.compile(r"(?P<guarded>fastdds_[0-9a-f]{16})_[es]l")
+_LOCKS = "fastdds_" + 16 * "[0-9a-f]" + "_[es]l"
 
 
 def remove_dead_segments(folder: Path = SHARED_MEMORY, minimum_age: float = MINIMUM_AGE) -> list[str]:
@@ -34,57 +32,26 @@ def remove_dead_segments(folder: Path = SHARED_MEMORY, minimum_age: float = MINI
     Nothing of a living process or of another user is touched, and nothing that is younger than `minimum_age` [s]. Does
     nothing on systems without `folder`.
     """
-    removed = []
-    for lock in sorted(folder.glob("fastdds_*")) if folder.is_dir() else []:
-        match = _LOCK.fullmatch(lock.name)
-        if match is None or not _is_ours_and_old(lock, minimum_age):
-            continue
-        with _taken(lock) as is_dead:
-            if is_dead:
-                removed += _remove(folder / match["guarded"], lock)
+    removed: list[str] = []
+    for lock in folder.glob(_LOCKS):
+        with suppress(OSError):
+            found = lock.stat(follow_symlinks=False)
+            if found.st_uid == os.geteuid() and time.time() - found.st_mtime >= minimum_age:
+                removed += _remove_if_dead(lock)
     return sorted(removed)
 
 
-def _is_ours_and_old(lock: Path, minimum_age: float) -> bool:
-    with suppress(OSError):
-        status = lock.stat(follow_symlinks=False)
-        return status.st_uid == os.geteuid() and time.time() - status.st_mtime >= minimum_age
-    return False
-
-
-@contextmanager
-def _taken(lock: Path) -> Iterator[bool]:
-    """Try to take a lock for as long as the context lasts, and tell whether it is taken."""
-    try:
-        descriptor = os.open(lock, os.O_RDONLY | os.O_NOFOLLOW)
-    except OSError:
-        yield False
-        return
-    try:
-        yield _is_lockable(descriptor) and _is_still(lock, descriptor)
-    finally:
-        os.close(descriptor)
-
-
-def _is_lockable(descriptor: int) -> bool:
+def _remove_if_dead(lock: Path) -> list[str]:
+    """Remove a `lock` that nobody holds, and what it guards. Raises OSError where somebody does."""
+    removed = []
+    descriptor = os.open(lock, os.O_RDONLY | os.O_NOFOLLOW)
     try:
         fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except OSError:
-        return False
-    return True
-
-
-def _is_still(lock: Path, descriptor: int) -> bool:
-    """Return whether a name still refers to the open file: another may have been made in its place meanwhile."""
-    with suppress(OSError):
-        return os.path.samestat(lock.stat(follow_symlinks=False), os.fstat(descriptor))
-    return False
-
-
-def _remove(*files: Path) -> list[str]:
-    removed = []
-    for file in files:
-        with suppress(OSError):
-            file.unlink()
-            removed.append(file.name)
+        if os.path.samestat(lock.stat(), os.fstat(descriptor)):  # another may have been made in its place meanwhile
+            for file in (lock.with_name(lock.name[:-3]), lock):
+                with suppress(OSError):
+                    file.unlink()
+                    removed.append(file.name)
+    finally:
+        os.close(descriptor)
     return removed

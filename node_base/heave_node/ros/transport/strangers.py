@@ -96,9 +96,7 @@ class Strangers:
     def look(self, speakers: Mapping[str, Speakers]) -> None:
         """Look at the publishers of topics, a few times per second of wall time; the first time at once.
 
-        Parameters
-        ----------
-        speakers : who may publish, by resolved name; none before the run is known
+        `speakers` may publish, by resolved name; there are none before the run is known.
         """
         now = time.monotonic()
         if not speakers or now - self._looked_at < LOOK_PERIOD:

@@ -129,9 +129,7 @@ class Watchdog:
 def watched_start(seconds: float = TIMEOUT) -> Iterator[Watchdog]:
     """End this process by SIGKILL, with a line on standard error, where what is within takes too long.
 
-    Parameters
-    ----------
-    seconds : wall time that it may take [s], or the time without a sign of life to the watchdog that is given [s]
+    It may take so many `seconds` of wall time, or go without a sign of life to the watchdog that is given.
     """
     with closing(Watchdog(seconds)) as watchdog:
         yield watchdog

@@ -26,7 +26,12 @@ from winch_controller_node.core.estimation.sense_design import (
     sense_design,
     tick_of,
 )
-from winch_controller_node.core.estimation.sensor_health import CONTRADICTS, SensorGate, inconsistency_words
+from winch_controller_node.core.estimation.sensor_health import (
+    CONTRADICTS,
+    SensorGate,
+    doubtful_alarm,
+    inconsistency_words,
+)
 from winch_controller_node.design.design import ControllerDesign
 from winch_controller_node.interface.alarms import ALARMS
 from winch_controller_node.interface.readings import SensorState
@@ -271,22 +276,24 @@ class Observer:
             return gate.alarm
         if name == "depth":
             jumps = self.state[0]["jumps"]
-            return ALARMS.alarm(
-                "DEPTH_SCALE_JUMP" if jumps["is_like_scale"] else "DEPTH_JUMP", jump=float(jumps["jump"])
-            )
-        return ALARMS.alarm("ENCODER_JUMP", jump=self.encoder.jump) if name == "encoder" else gate.alarm
+            jump = float(jumps["jump"])
+            if jumps["is_like_scale"]:
+                return ALARMS.alarm("SENSOR_LOST, DEPTH: scale jump", jump=jump)
+            return doubtful_alarm(name, "jump", jump=jump)
+        return doubtful_alarm(name, "jump", jump=self.encoder.jump) if name == "encoder" else gate.alarm
 
     def _high(self, sensor: str, row: MeasurementRow, place: int) -> Alarm:
         """Return that a measurement, a `row` of a `sensor` at a `place` in the core, is noisier than nominal."""
         noise = self._noises[place]
         sigma, factor = float(noise["sigma"]), float(noise["factor"])
-        code = f"{sensor.upper()}_NOISE_HIGH"
-        return ALARMS.alarm(code, measurement=MEASURED_WORDS[row.name], sigma=sigma, unit=row.unit, factor=factor)
+        of = MEASURED_WORDS[row.name]
+        return doubtful_alarm(sensor, "noise", measurement=of, sigma=sigma, unit=row.unit, factor=factor)
 
     def _refused(self, sensor: str, row: MeasurementRow, place: int) -> Alarm:
         """Return that a `sensor` states an accuracy that cannot be, of a `row` at a `place` in the core."""
-        return ALARMS.alarm(
-            f"{sensor.upper()}_ACCURACY_REJECTED",
+        return doubtful_alarm(
+            sensor,
+            "accuracy",
             measurement=MEASURED_WORDS[row.name],
             sigma=float(self._noises[place]["refused"]),
             unit=row.unit,
@@ -297,7 +304,7 @@ class Observer:
         """Return that a measurement, a `row` of a `sensor` at a `place` in the core, is quieter than nominal."""
         seen, mean = float(self._noises[place]["seen"]), float(self._noises[place]["mean"])
         return ALARMS.alarm(
-            f"{sensor.upper()}_NOISE_LOW",
+            f"NOISE_LOW, {sensor.upper()}",
             measurement=MEASURED_WORDS[row.name],
             ratio=math.sqrt(mean),
             sigma=row.sigma,
@@ -316,6 +323,6 @@ class Observer:
 
 def _as_excluded(state: SensorState) -> SensorState:
     """Return the `state` of a sensor that is excluded."""
-    alarm = state.alarm or ALARMS.alarm(f"{state.sensor.upper()}_EXCLUDED")
+    alarm = state.alarm or ALARMS.alarm(f"SENSOR_LOST, {state.sensor.upper()}: excluded")
     level, reason = max(state.level, SensorLevel.SUSPECT), state.reason or CONTRADICTS
     return state._replace(level=level, reason=reason, alarm=alarm)

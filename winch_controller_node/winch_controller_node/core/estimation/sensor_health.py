@@ -6,7 +6,7 @@ import math
 from typing import Any
 
 from heave_core.sense_table import Level, Reason
-from heave_node.interface.alarm import Alarm
+from heave_node.interface.alarm import Alarm, Value
 from heave_node.interface.codes import MruStatus, SensorLevel
 
 from winch_controller_node.core.estimation.sense_design import WATCHES
@@ -20,19 +20,6 @@ CONTRADICTS = "contradicts all others"
 
 STALE, ABSENT = "stale", "absent"
 """Reasons for which a sensor is lost: no data any more, and none since the start."""
-
-LOST_STATES = {
-    ABSENT: "ABSENT",
-    "nan": "NOT_A_NUMBER",
-    "out of range": "OUT_OF_RANGE",
-    "wrong stamp": "BAD_STAMP",
-    "late": "OUT_OF_ORDER",
-    "frozen": "FROZEN",
-    "spike": "SPIKES",
-    "jump": "JUMPS",
-    "status settling": "SETTLING",
-}
-"""End of the alarm code of a lost sensor, by the reason for which its readings are rejected."""
 
 REJECTED_WORDS = {
     "nan": "it is not a number",
@@ -79,16 +66,17 @@ def lost_alarm(sensor: str, reason: str, *, age: float, limit: float, since: flo
     age, limit : age of the newest accepted reading, and the largest that is allowed [s]; of a stale or delayed sensor
     since : time from which on its readings are too old when they come [s]; of a delayed sensor
     """
-    prefix = sensor.upper()
-    if reason == STALE:
-        return ALARMS.alarm(f"{prefix}_STALE", age=age, limit=limit)
-    if reason == "delayed":
-        return ALARMS.alarm(f"{prefix}_LATE", age=age, limit=limit, since=since)
     if (sensor, reason) == ("encoder", "frozen"):
-        return ALARMS.alarm("DRUM_OR_ENCODER_STILL")
-    if reason in LOST_STATES:
-        return ALARMS.alarm(f"{prefix}_{LOST_STATES[reason]}")
-    return ALARMS.alarm(f"{prefix}_FAULT", status=reason)
+        return ALARMS.alarm("DRUM_OR_ENCODER: still")
+    name = f"SENSOR_LOST, {sensor.upper()}"
+    row = ALARMS.get(f"{name}: {reason}") or ALARMS[f"{name}: status"]
+    values: dict[str, Value] = {"age": age, "limit": limit, "since": since, "status": reason}
+    return row.alarm(**{one: values[one] for one in row.names})
+
+
+def doubtful_alarm(sensor: str, reason: str, /, **values: Value) -> Alarm:
+    """Return the alarm of a `sensor` that is used although its readings are not as they should be, for a `reason`."""
+    return ALARMS.alarm(f"SENSOR_DOUBTFUL, {sensor.upper()}: {reason}", **values)
 
 
 LOST = int(Level.SENSOR_LOST)
@@ -136,7 +124,7 @@ class SensorGate:
         """Fault of the sensor, where its level is `suspect` or `lost`."""
         record, reason = self._record, self.reason
         if not self.is_lost:
-            return ALARMS.alarm(f"{self.sensor.upper()}_READING_REJECTED", reason=REJECTED_WORDS.get(reason, reason))
+            return doubtful_alarm(self.sensor, "one reading", reason=REJECTED_WORDS.get(reason, reason))
         if reason == STALE and math.isnan(record["newest_accepted"]):
             reason = ABSENT
         since, age = float(record["delayed_since"]), float(record["silence"])
@@ -146,7 +134,7 @@ class SensorGate:
     def slow_alarm(self) -> Alarm:
         """That the sensor delivers more slowly than nominal."""
         rate, nominal = 1.0 / float(self._record["interval"]["seen"]), 1.0 / float(self._assumed["period"])
-        return ALARMS.alarm(f"{self.sensor.upper()}_SLOW", rate=rate, nominal=nominal, limit=self.largest_age)
+        return doubtful_alarm(self.sensor, "slow", rate=rate, nominal=nominal, limit=self.largest_age)
 
     def state(self, now: float) -> SensorState:
         """Return how the sensor is seen at `now` [s]."""

@@ -200,12 +200,12 @@ def _alarm(harm: Harm, found: Verdict, follows: str) -> Alarm:
     `follows` : what follows it, a sentence (`sequel`)
     """
     if Harm.DEPTH_HIGH in harm:
-        return ALARMS.alarm("UNIT_HEAVE_HIGH", heave=found.depth, next=follows)
+        return ALARMS.alarm("WORSE_THAN_OFF: depth", heave=found.depth, next=follows)
     if Harm.SWING_HIGH in harm:
-        return ALARMS.alarm("UNIT_SWING_HIGH", swing=found.swing, next=follows)
+        return ALARMS.alarm("WORSE_THAN_OFF: swing", swing=found.swing, next=follows)
     if Harm.DRUM_OFF in harm:
         return ALARMS.alarm("DRUM_SPEED_OFF", error=found.drum, next=follows)
     sigma, free = found.unit_sigma, found.free_sigma
     if sigma > free:
-        return ALARMS.alarm("WORSE_THAN_OFF", sigma=sigma, free=free, next=follows)
+        return ALARMS.alarm("WORSE_THAN_OFF: estimate", sigma=sigma, free=free, next=follows)
     return ALARMS.alarm("LITTLE_GAIN", sigma=sigma, free=free, percent=100.0 * found.least_gain, next=follows)

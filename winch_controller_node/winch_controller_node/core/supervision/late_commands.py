@@ -97,11 +97,11 @@ class LateCommands:
         """What is wrong since this tick; None: nothing new."""
         found = int(self._state["news"])
         if found == LinkNews.COMMANDS_SLOW:
-            return ALARMS.alarm("COMMANDS_LATE", delay=self.overdue)
+            return ALARMS.alarm("COMMANDS_LATE: delay", delay=self.overdue)
         if found == LinkNews.COMMANDS_RAGGED:
             minute = self._link.minute
             percent, largest = 100.0 * float(self._state["late_in_minute"]) / len(minute), float(minute.max())
-            return ALARMS.alarm("COMMANDS_OFTEN_LATE", percent=percent, window=SHARE_WINDOW, largest=largest)
+            return ALARMS.alarm("COMMANDS_LATE: often", percent=percent, window=SHARE_WINDOW, largest=largest)
         return None
 
     def update(self, given: int, taken: int, delay: float) -> Alarm | None:

@@ -30,7 +30,7 @@ SEEN: Mapping[Mode, tuple[str, str]] = {
     ),
     Mode.CONSTANT_TENSION: (
         "CT mode: the winch holds the tension over a landed or held load; the depth is not held",
-        "watch `TENSION_TRAVEL_HALF`; request `compensating` to lift off",
+        "watch `TENSION_TRAVEL`; request `compensating` to lift off",
     ),
     Mode.MANUAL: (
         "AHC off; the winch runs at the operator's speed, otherwise it holds; the load moves with the ship",

@@ -73,7 +73,7 @@ class Driven(NamedTuple):
     ----------
     waits : compensation is to begin
     hangs : the unit hangs, as far as is known
-    taken_over : code of the alarm for which the envelope has taken over; empty: it has not
+    taken_over : name of the alarm for which the envelope has taken over; empty: it has not
     latest : stamp up to which a reading can be [s]
     has_mru : it is neither lost nor excluded
     """
@@ -192,7 +192,7 @@ class Proofs:
         if winch is not None:
             of_winch = (1.0, winch.time, winch.encoder_payout, winch.encoder_payout_rate)
         is_braked = self._sent is None or self._sent.brake
-        runs, has_swung = driven.taken_over == "DRUM_RUNS_BRAKED", driven.taken_over == "LOAD_SWUNG_HIGHER"
+        runs, has_swung = driven.taken_over == "DRUM_NOT_HELD: count", driven.taken_over == "LOAD_SWUNG_HIGHER"
         self._seen[:] = (
             *(driven.latest, *of_winch, is_braked),
             *(driven.waits, driven.hangs, driven.has_mru, runs, has_swung),
@@ -209,7 +209,7 @@ class Proofs:
         if news & ProofNews.LOAD_FALLS:
             fall = float(row["fall"])
             way = fall / float(self.design["stiffness"][0])
-            found.append(ALARMS.alarm("LOAD_FALLS_BRAKED", fall=1e-3 * fall, time=FALL_TIME, way=way))
+            found.append(ALARMS.alarm("DRUM_NOT_HELD: hook load", fall=1e-3 * fall, time=FALL_TIME, way=way))
             self._falling = found[-1].brief
         moved = float(row["moved"])
         if news & ProofNews.DRUM_IS_HELD:
@@ -217,7 +217,7 @@ class Proofs:
         if news & ProofNews.DRUM_IS_NOT_HELD:
             is_dead = winch is not None and winch.fault == WinchFault.EMERGENCY_STOP
             cause = "the emergency stop has taken the drive's power" if is_dead else "the drive does not hold it"
-            found.append(ALARMS.alarm("DRUM_NOT_HELD", moved=moved, rate=float(row["moved_rate"]), cause=cause))
+            found.append(ALARMS.alarm("DRUM_NOT_HELD: turns", moved=moved, rate=float(row["moved_rate"]), cause=cause))
         if news & ProofNews.COUNT_CONTRADICTS:
             error, way = float(row["found_error"]), float(row["way"])
             found.append(ALARMS.alarm("COUNT_SPEED_DISAGREE", error=error, way=way, time=COUNT_TIME))
@@ -234,8 +234,10 @@ class Proofs:
         fit, witness, standing = self.fit, self.witness, self.standing
         if standing is Standing.ALONE:
             agrees = f"the {witness} agrees by {fit.correlation:.2f}"
-            return ALARMS.alarm("MRU_UNPROVED", why=agrees if witness else "neither load cell nor depth sensor reads")
-        code = "MRU_REVERSED" if standing is Standing.REVERSED else "MRU_SCALE_UNPROVED"
+            return ALARMS.alarm(
+                "MRU_UNPROVED: alone", why=agrees if witness else "neither load cell nor depth sensor reads"
+            )
+        code = "MRU_REVERSED" if standing is Standing.REVERSED else "MRU_UNPROVED: scale"
         numbers = {"scale": fit.scale, "correlation": fit.correlation, "certainty": abs(fit.certainty)}
         return ALARMS.alarm(code, witness=witness, **numbers)
 

@@ -144,7 +144,7 @@ class Supervisor:
         )
         self.guard = HarmGuard(parameters.guard, guarded_loop(design, law), tick_period=dt)
         self.landing = Landing(parameters.tension, hanging_load(design))
-        self._code_before, self._was_inhibited, self._dt, self._peak_reported = "", False, dt, 0.0
+        self._alarm_before, self._was_inhibited, self._dt, self._peak_reported = "", False, dt, 0.0
         self._design, self._state = new(SUPERVISION_DESIGN), new(SUPERVISION_STATE)
         self._seen, self._done = np.zeros(len(SUPERVISION_SEEN.rows)), np.zeros(len(SUPERVISED.rows))
         guard, landing, modes = self.guard, self.landing.core, self.modes
@@ -242,8 +242,8 @@ class Supervisor:
             expected = out - self._parameters.boom_tip_height + float(self._design["stretch"][0]) * out
             found.append(ALARMS.alarm("PAYOUT_DEPTH_DISAGREE", depth=depth, out=out, expected=expected))
         if happened & Happened.INHIBITED and (alarm := self.guard.note()):
-            found += [alarm] if alarm.code != self._code_before or not self._was_inhibited else []
-            self._code_before = alarm.code
+            found += [alarm] if alarm.name != self._alarm_before or not self._was_inhibited else []
+            self._alarm_before = alarm.name
         if happened & Happened.LINK_BACK:
             self.modes.resume()
             found.append(ALARMS.alarm("COMMANDS_RESTORED"))

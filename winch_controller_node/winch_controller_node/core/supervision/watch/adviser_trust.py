@@ -44,10 +44,10 @@ class AdviserTrust:
         self.count += 1
         if self.count < MOST:
             self._until = tick * self._dt + time
-            self._news.append(ALARMS.alarm("ADVISER_CONTRADICTED", fault=fault, time=time))
+            self._news.append(ALARMS.alarm("ADVISER_WRONG: set aside", fault=fault, time=time))
         else:
             self._until = math.inf
-            self._news.append(ALARMS.alarm("ADVISER_EXCLUDED", fault=fault, count=self.count))
+            self._news.append(ALARMS.alarm("ADVISER_WRONG: excluded", fault=fault, count=self.count))
 
     def restart(self) -> None:
         """Use answers again: an operator has restated what is nominal."""

@@ -74,12 +74,14 @@ class EncoderReflex:
             return None
         if self._verdict is not None:
             return self._verdict
-        return ALARMS.alarm("WINCH_OR_ENCODER_REVERSED" if self._is_reversed else "WINCH_OR_ENCODER_SCALE")
+        return ALARMS.alarm(
+            "DRUM_OR_ENCODER: unresolved reversal" if self._is_reversed else "DRUM_OR_ENCODER: unresolved scale"
+        )
 
     @property
     def alarm(self) -> Alarm:
         """Why the encoder was set aside."""
-        return ALARMS.alarm("DRUM_OR_ENCODER_REVERSED" if self._is_reversed else "DRUM_OR_ENCODER_SCALE")
+        return ALARMS.alarm("DRUM_OR_ENCODER: reversed" if self._is_reversed else "DRUM_OR_ENCODER: scale")
 
     def restart(self) -> None:
         """Restart: an operator asks for the encoder to be tried, or another scale is assumed."""
@@ -111,7 +113,7 @@ class EncoderReflex:
             return None
         witness = by_count.witness[0] if nats > 0.0 else by_count.witness_against
         self._verdict = ALARMS.alarm(
-            "DRIVE_AT_FAULT" if nats > 0.0 else "ENCODER_AT_FAULT", witness=MEASURED_WORDS[witness]
+            "DRIVE_AT_FAULT" if nats > 0.0 else "SENSOR_LOST, ENCODER: at fault", witness=MEASURED_WORDS[witness]
         )
         self.is_unresolved |= nats > 0.0
         return self._verdict

@@ -128,7 +128,7 @@ class LoadWatch:
         remedy = "Check the load" if mode in (Mode.COMPENSATING, Mode.CONSTANT_TENSION) else "Compensate"
         remedy = "Lower more slowly" if rate >= LEAST_RATE else remedy
         slack: tuple[str, Mapping[str, Value]] = (
-            ("LOAD_CELL_NEGATIVE", {"tension": kilo})
+            ("SENSOR_DOUBTFUL, LOAD_CELL: negative", {"tension": kilo})
             if share < PUSH
             else ("CABLE_SLACK", {"tension": kilo, "percent": 100.0 * share, "lower_more_slowly_or_compensate": remedy})
         )
@@ -143,7 +143,7 @@ class LoadWatch:
             LoadNews.SATURATED: ("WINCH_SATURATED", {"percent": percent, "time": parameters.saturation_time}),
             LoadNews.ROPE_SHORT: ("ROPE_SAFETY_LOW", {**rope, "required": required}),
             LoadNews.ROPE_OVERLOADED: ("ROPE_OVERLOADED", rope),
-            LoadNews.TRAVEL_HALF: ("TENSION_TRAVEL_HALF", {"travel": 0.5 * self._travel}),
-            LoadNews.TRAVEL_END: ("TENSION_TRAVEL_END", {"travel": self._travel}),
+            LoadNews.TRAVEL_HALF: ("TENSION_TRAVEL: half", {"travel": 0.5 * self._travel}),
+            LoadNews.TRAVEL_END: ("TENSION_TRAVEL: end", {"travel": self._travel}),
         }
         return tuple(ALARMS.alarm(code, **values) for bit, (code, values) in news.items() if found & bit)

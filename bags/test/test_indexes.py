@@ -1,8 +1,9 @@
-"""rosbags reads a file as it stands only where that gives every message; any other is repaired first."""
+"""What the index of a file says is not taken as true: the file is read from front to back."""
 
 from __future__ import annotations
 
 import struct
+import tempfile
 from pathlib import Path
 
 import mcap.writer
@@ -13,11 +14,9 @@ from heave_bags.mcap.bounds import BoundError, unpack
 from heave_bags.mcap.reader import Bag
 from hostile_bags import HEAD, HEADER, topic
 from hostile_bags import messages as records
-from made_up_run import MadeUpRun, write_run
 from mcap.data_stream import RecordBuilder
 from mcap.records import ChunkIndex
 from mcap.writer import IndexType, Writer
-from rosbags.rosbag2 import Reader
 
 COUNT = 500
 
@@ -38,8 +37,7 @@ def numbers(bag: Bag) -> list[int]:
     return [struct.unpack("<I", message.data)[0] for message in bag.messages()]
 
 
-def test_sound_files_are_read_as_they_stand(tmp_path):
-    """Also those of a recording in several files, packed by lz4 or not at all."""
+def test_a_recording_in_several_files_is_read_however_they_are_packed(tmp_path):
     folder = tmp_path / "bag"
     folder.mkdir()
     kinds = (mcap.writer.CompressionType.LZ4, mcap.writer.CompressionType.NONE, mcap.writer.CompressionType.ZSTD)
@@ -47,9 +45,9 @@ def test_sound_files_are_read_as_they_stand(tmp_path):
         write(folder / f"bag_{number}.mcap", first=1 + number * COUNT, compression=kind)
     bag = Bag(folder)
     assert numbers(bag) == list(range(1, 3 * COUNT + 1))
-    assert bag.sound_files() == bag.files
-    write_run(tmp_path / "own", MadeUpRun(duration=5.0))
-    assert Bag(tmp_path / "own").sound_files() == [tmp_path / "own" / "own_0.mcap"]
+    assert bag.losses == []
+    part = [struct.unpack("<I", message.data)[0] for message in bag.messages(start=COUNT, end=COUNT + 3)]
+    assert part == [COUNT, COUNT + 1, COUNT + 2, COUNT + 3]
 
 
 @pytest.mark.parametrize(
@@ -76,7 +74,6 @@ def test_an_index_that_is_wrong_is_not_believed(tmp_path, monkeypatch, field, va
     bag = Bag(write(tmp_path / "a.mcap"))
     assert numbers(bag) == list(range(1, COUNT + 1))
     assert bag.losses == []
-    assert bag.sound_files() != bag.files
 
 
 @pytest.mark.parametrize(
@@ -91,17 +88,10 @@ def test_an_index_that_is_wrong_is_not_believed(tmp_path, monkeypatch, field, va
     ],
     ids=str,
 )
-def test_what_rosbags_would_refuse_or_pass_over_is_read(tmp_path, options):
+def test_what_other_readers_refuse_or_pass_over_is_read(tmp_path, options):
     bag = Bag(write(tmp_path / "a.mcap", **options))
     assert numbers(bag) == list(range(1, COUNT + 1))
     assert bag.losses == []
-
-
-def test_rosbags_passes_over_chunks_without_message_indexes(tmp_path):
-    """This is why a file is checked first; where it is no longer so, a check may go."""
-    path = write(tmp_path / "a.mcap", index_types=IndexType.ALL & ~IndexType.MESSAGE)
-    with Reader(path) as reader:
-        assert list(reader.messages()) == []
 
 
 def test_what_is_packed_behind_a_chunk_is_not_unpacked():
@@ -112,26 +102,45 @@ def test_what_is_packed_behind_a_chunk_is_not_unpacked():
         unpack("zstd", behind, len(plain))
 
 
-def test_a_copy_lives_as_long_as_its_bag(tmp_path):
-    bag = Bag(write(tmp_path / "a.mcap", profile=""))
-    (copy,) = bag.sound_files()
-    assert copy.exists()
-    del bag
-    assert not copy.parent.exists()
+def shuffled(folder: Path) -> Bag:
+    """Return a bag whose messages are in no order."""
+    folder.mkdir()
+    for name, first in (("a", 1001), ("b", 1)):
+        write(folder / f"{name}.mcap", first=first)
+    with (folder / "c.mcap").open("wb") as stream:
+        writer = Writer(stream)
+        writer.start()
+        channel = writer.register_channel("/a", "cdr", 0)
+        for number in (1, 2000, 700):
+            writer.add_message(channel, number, struct.pack("<I", number), number)
+        writer.finish()
+    return Bag(folder)
 
 
 def test_a_file_that_has_gone_since_it_was_checked_is_named(tmp_path):
     bag = Bag(write(tmp_path / "a.mcap"))
-    bag.sound_files()[0].unlink()
+    assert len(numbers(bag)) == COUNT
+    bag.files[0].unlink()
     with pytest.raises(BagError, match=r"a\.mcap: cannot be read"):
-        list(bag.messages())
+        numbers(bag)
 
 
-def test_a_disk_without_room_for_a_copy_is_named(tmp_path, monkeypatch):
-    monkeypatch.setattr("heave_bags.mcap.read.recovery.McapWriter", _refuse)
-    with pytest.raises(BagError, match=r"no room for a sound copy in .*; set TMPDIR to a folder with more room"):
-        list(Bag(write(tmp_path / "a.mcap", profile="")).messages())
+def test_what_was_sorted_goes_with_its_bag(tmp_path, monkeypatch):
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
+    bag = shuffled(tmp_path / "bag")
+    read = numbers(bag)
+    assert len(read) == 2 * COUNT + 3
+    assert read == sorted(read)
+    assert len(list(tmp_path.glob("heave_bag_*"))) == 1
+    del bag
+    assert not list(tmp_path.glob("heave_bag_*"))
 
 
-def _refuse(*_: object) -> None:
+def test_a_disk_without_room_to_sort_is_named(tmp_path, monkeypatch):
+    monkeypatch.setattr("heave_bags.mcap.read.order.mkdtemp", _refuse)
+    with pytest.raises(BagError, match=r"no room to sort its messages in .*; set TMPDIR to a folder with more room"):
+        numbers(shuffled(tmp_path / "bag"))
+
+
+def _refuse(*_: object, **__: object) -> None:
     raise OSError(28, "No space left on device")

@@ -1,1 +1,0 @@
-"""What a run is refused for before any node starts."""
