@@ -67,6 +67,18 @@ def beside(domain: int, *words: str, stderr: int | None = None) -> Iterator[subp
             program.wait()
 
 
+@contextmanager
+def under_way(domain: int, *arguments: str) -> Iterator[subprocess.Popen[str]]:
+    """Give a `heave` command in a ROS domain, and let a test do something while it runs; it is killed at the end."""
+    run = subprocess.Popen(
+        command(*arguments), env=environment(domain), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    )
+    try:
+        yield run
+    finally:
+        run.kill()
+
+
 class Adapted(NamedTuple):
     """How `heave adapt` has ended: exit status, and what it printed."""
 

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 import numpy as np
 from heave_bringup.closed_loop import ClosedLoop, LoopParameters, LoopRecord, loop_parameters
 from heave_bringup.scenarios import load_scenario
-from heave_node.interface.alarm import alarms_in
+from heave_node.interface.alarm import Alarm, alarms_in
 from heave_node.kpi import window_ratios
 from heave_studies.promise.findings import blamed_by
 
@@ -19,6 +19,9 @@ FAULTS = {
     "winch": "virtual_winch",
 }
 """Group of parameters of what can be at fault."""
+
+TICK = 0.05
+"""Tick period of the shipped scenarios [s]."""
 
 TROUBLE = 30.0
 """Time after compensation begins, after a fault and after its end, from which on the promise holds [s]."""
@@ -85,3 +88,46 @@ def blamed(record: LoopRecord) -> set[str]:
     """Return the sensors and the cable that alarms blame; "noise is high" blames nobody."""
     read = [one for _, alarm in record.alarms for one in alarms_in(str(alarm))]
     return {part for one in read if one.code != "WINCH_MODEL_UPDATED" for part in blamed_by(one, noise=False)}
+
+
+class Stepped:
+    """A loop that runs on as a test asks, and what it has left so far.
+
+    Parameters
+    ----------
+    loop : that is run
+
+    Attributes
+    ----------
+    orders : payout rate that the controller has ordered at each tick [m/s]
+    """
+
+    def __init__(self, loop: ClosedLoop) -> None:
+        self.loop = loop
+        self.rows: list[np.ndarray] = []
+        self.modes: list[str] = []
+        self.alarms: list[tuple[float, Alarm]] = []
+        self.orders: list[float] = []
+
+    @property
+    def time(self) -> float:
+        """Time of the next tick [s]."""
+        return self.loop.tick * TICK
+
+    def go(self, until: float) -> Stepped:
+        """Run until a time [s]."""
+        while self.time < until:
+            outputs, row = self.loop.step()
+            self.rows.append(row)
+            self.modes.append(outputs.mode)
+            self.orders.append(outputs.order.payout_rate)
+            self.alarms += [(self.time, alarm) for alarm in outputs.alarms]
+        return self
+
+    def column(self, name: str, after: float = 0.0) -> np.ndarray:
+        """Return a column of the record from a time on [s]."""
+        return np.asarray(LoopRecord(np.array(self.rows)).column(name, after=after))
+
+    def codes(self, after: float = 0.0) -> list[str]:
+        """Return the names of the alarms after a time [s]: their codes, with the reason where there are several."""
+        return [alarm.name for time, alarm in self.alarms if time > after]

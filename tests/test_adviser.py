@@ -22,6 +22,7 @@ from tests.loop_runs import (
     heave,
     process_of,
     recorded_messages,
+    under_way,
     wait_until,
 )
 
@@ -119,20 +120,11 @@ def test_in_real_time_a_slow_adviser_holds_nothing_up_and_its_late_answers_are_r
 @pytest.mark.slow
 def test_in_real_time_a_run_goes_on_without_an_adviser_that_was_killed_and_says_so(tmp_path):
     folder = tmp_path / "run"
-    with domain_id() as domain:
-        run = subprocess.Popen(
-            command(*CALM, "--duration", "20", "--bag", str(folder), *REAL_TIME),
-            env=environment(domain),
-            stdout=subprocess.PIPE,
-            stderr=subprocess.PIPE,
-            text=True,
-        )
-        try:
-            wait_until(lambda: any(f.stat().st_size > 100_000 for f in (folder / "bag").glob("*.mcap")), 60.0)
-            os.kill(process_of("winch_adviser", folder), signal.SIGKILL)
-            out, err = run.communicate(timeout=90.0)
-        finally:
-            run.kill()
+    arguments = (*CALM, "--duration", "20", "--bag", str(folder), *REAL_TIME)
+    with domain_id() as domain, under_way(domain, *arguments) as run:
+        wait_until(lambda: any(f.stat().st_size > 100_000 for f in (folder / "bag").glob("*.mcap")), 60.0)
+        os.kill(process_of("winch_adviser", folder), signal.SIGKILL)
+        out, err = run.communicate(timeout=90.0)
     assert run.returncode == 0, err
     assert "winch_adviser was killed by SIGKILL: the run continues without it" in out + err
     assert "ADVISER_LOST (medium): no answer for 3." in out + err

@@ -3,7 +3,6 @@
 import json
 import os
 import signal
-import subprocess
 from pathlib import Path
 
 import numpy as np
@@ -11,7 +10,7 @@ import pytest
 from domain_coordinator import domain_id
 from heave_bags.mcap.reader import Bag
 
-from tests.loop_runs import HAS_RUN, beside, command, environment, give, process_of, wait_until
+from tests.loop_runs import HAS_RUN, beside, give, process_of, under_way, wait_until
 
 REAL_WINCH = """
 import math
@@ -85,20 +84,10 @@ def test_a_winch_with_a_loop_and_a_clock_of_its_own_compensates(tmp_path):
 def test_the_winch_stops_within_its_limits_and_brakes_when_its_controller_is_killed(tmp_path):
     folder = tmp_path / "run"
     options = ["--pacing", "realtime", "--duration", "1000", "--no-report", "--set", "wave_vessel.ramp=5.0"]
-    with domain_id() as domain:
-        run = subprocess.Popen(
-            command("run", "b2_calm_300", "--bag", str(folder), *options),
-            env=environment(domain),
-            stdout=subprocess.PIPE,
-            stderr=subprocess.PIPE,
-            text=True,
-        )
-        try:
-            wait_until(lambda: _is_moving(folder / "bag"), 90.0)
-            os.kill(process_of("winch_controller", folder), signal.SIGKILL)
-            _, err = run.communicate(timeout=60.0)
-        finally:
-            run.kill()
+    with domain_id() as domain, under_way(domain, "run", "b2_calm_300", "--bag", str(folder), *options) as run:
+        wait_until(lambda: _is_moving(folder / "bag"), 90.0)
+        os.kill(process_of("winch_controller", folder), signal.SIGKILL)
+        _, err = run.communicate(timeout=60.0)
     assert run.returncode == 1
     assert "winch_controller was killed by SIGKILL" in err.strip().splitlines()[-1]
     assert "virtual_winch: drive: WINCH_COMMAND_TIMEOUT (high)" in err, "told on the terminal as it happens"

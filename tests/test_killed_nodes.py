@@ -11,7 +11,7 @@ from domain_coordinator import domain_id
 from heave_bags.mcap.reader import Bag
 from rosbags.highlevel import AnyReader
 
-from tests.loop_runs import command, environment, process_of, wait_until
+from tests.loop_runs import command, environment, process_of, under_way, wait_until
 
 NODES = ("cable_sim", "wave_vessel", "virtual_winch", "winch_controller", "winch_adviser", "recorder")
 OTHERS = ("wave_vessel", "virtual_winch", "winch_controller", "winch_adviser")
@@ -23,20 +23,11 @@ OTHERS = ("wave_vessel", "virtual_winch", "winch_controller", "winch_adviser")
 )
 def test_a_killed_node_ends_the_run_with_its_name_and_a_bag_that_reads_to_the_end(node, tmp_path):
     folder = tmp_path / "run"
-    with domain_id() as domain:
-        run = subprocess.Popen(
-            command("run", "b2_calm_300", "--duration", "100000", "--bag", str(folder), "--no-report"),
-            env=environment(domain),
-            stdout=subprocess.PIPE,
-            stderr=subprocess.PIPE,
-            text=True,
-        )
-        try:
-            wait_until(lambda: any(f.stat().st_size > 200_000 for f in (folder / "bag").glob("*.mcap")), 240.0)
-            os.kill(process_of(node, folder), signal.SIGKILL)
-            _, err = run.communicate(timeout=120.0)
-        finally:
-            run.kill()
+    arguments = ("run", "b2_calm_300", "--duration", "100000", "--bag", str(folder), "--no-report")
+    with domain_id() as domain, under_way(domain, *arguments) as run:
+        wait_until(lambda: any(f.stat().st_size > 200_000 for f in (folder / "bag").glob("*.mcap")), 240.0)
+        os.kill(process_of(node, folder), signal.SIGKILL)
+        _, err = run.communicate(timeout=120.0)
     assert run.returncode in (1, -signal.SIGKILL), "the watchdog ends a command that waits for a lock of the killed"
     last = err.strip().splitlines()[-1]
     assert last.startswith(f"heave: {node} was killed by SIGKILL")

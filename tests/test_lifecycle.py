@@ -8,7 +8,7 @@ import pytest
 from domain_coordinator import domain_id
 from heave_bags.mcap.reader import Bag
 
-from tests.loop_runs import command, environment
+from tests.loop_runs import environment, under_way
 
 DEACTIVATE_AND_ACTIVATE = """
 import time
@@ -54,27 +54,17 @@ change_state(Transition.TRANSITION_ACTIVATE)
 def test_an_inactive_controller_gives_no_command_and_begins_again_from_standby(tmp_path):
     folder = tmp_path / "run"
     options = ["--duration", "130", "--no-report", "--set", "wave_vessel.ramp=5.0"]
-    with domain_id() as domain:
-        run = subprocess.Popen(
-            command("run", "b2_calm_300", "--bag", str(folder), *options),
+    with domain_id() as domain, under_way(domain, "run", "b2_calm_300", "--bag", str(folder), *options) as run:
+        operator = subprocess.run(
+            [sys.executable, "-c", DEACTIVATE_AND_ACTIVATE],
             env=environment(domain),
-            stdout=subprocess.PIPE,
-            stderr=subprocess.PIPE,
+            capture_output=True,
             text=True,
+            timeout=150.0,
+            check=False,
         )
-        try:
-            operator = subprocess.run(
-                [sys.executable, "-c", DEACTIVATE_AND_ACTIVATE],
-                env=environment(domain),
-                capture_output=True,
-                text=True,
-                timeout=150.0,
-                check=False,
-            )
-            assert operator.returncode == 0, operator.stderr
-            _, err = run.communicate(timeout=120.0)
-        finally:
-            run.kill()
+        assert operator.returncode == 0, operator.stderr
+        _, err = run.communicate(timeout=120.0)
     assert operator.stdout.strip() == "the controller is inactive: activate it first"
     assert "virtual_winch: drive: WINCH_COMMAND_TIMEOUT (high)" in err
     bag = Bag(folder / "bag")

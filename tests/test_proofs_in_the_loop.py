@@ -9,19 +9,19 @@ from heave_node.interface.alarm import Severity
 from winch_controller_node.core.supervision.proofs import Driven, Proofs, Standing
 from winch_controller_node.interface.readings import Measurements
 
-from tests.loops import fault, settings_text
+from tests.loops import TICK, Stepped, fault, settings_text
 
-TICK = 0.05
 REVERSED = tuple(settings_text(fault("mru", "scale", 0.0, size=-1.0)))
 NO_DEPTH = ("cable_sim.sensors.depth.fitted=false",)
 
 
-class Run:
-    """A loop of a scenario with settings; `go` runs it on."""
+class Run(Stepped):
+    """A loop of a scenario with settings, and what its controller was given."""
 
     def __init__(self, scenario, *settings, seed=1):
-        self.loop = ClosedLoop(replace(loop_parameters(load_scenario(scenario, settings=list(settings))), seed=seed))
-        self.delivered, self.modes, self.alarms = [], [], []
+        parameters = loop_parameters(load_scenario(scenario, settings=list(settings)))
+        super().__init__(ClosedLoop(replace(parameters, seed=seed)))
+        self.delivered = []
         step = self.loop.controller.step
 
         def kept(tick, measurements):
@@ -30,24 +30,9 @@ class Run:
 
         self.loop.controller.step = kept
 
-    @property
-    def time(self):
-        return self.loop.tick * TICK
-
-    def go(self, until):
-        while self.time < until:
-            outputs, _ = self.loop.step()
-            self.modes.append(outputs.mode)
-            self.alarms += [(self.time, alarm) for alarm in outputs.alarms]
-        return self
-
     def begins(self):
         """Return when compensation begins [s]; None: it does not."""
         return TICK * self.modes.index("compensating") if "compensating" in self.modes else None
-
-    @property
-    def codes(self):
-        return [alarm.name for _, alarm in self.alarms]
 
 
 def proved(delivered, scale, cable, parameters, witnesses):
@@ -96,14 +81,14 @@ def test_the_proof_comes_within_the_time_in_which_compensation_waits_anyway(scen
 def test_a_reversed_mru_never_moves_the_load_whatever_an_operator_consents_to(settings):
     run = Run("b2_calm_300", *settings, "winch_controller.entry.accept_unproved=true").go(75.0)
     assert run.begins() is None
-    assert "MRU_REVERSED" in run.codes
+    assert "MRU_REVERSED" in run.codes()
 
 
 def test_without_a_witness_compensation_waits_for_an_operators_consent():
     bare = (*NO_DEPTH, "cable_sim.sensors.load_cell.fitted=false")
     run = Run("b2_calm_300", *bare).go(40.0)
     assert run.begins() is None
-    assert "MRU_UNPROVED: alone" in run.codes
+    assert "MRU_UNPROVED: alone" in run.codes()
     run.loop.controller.ask_for_mode("compensating", consent=True)
     assert run.go(42.0).begins() == pytest.approx(40.0, abs=0.2)
     assert Run("b2_calm_300", *bare, "winch_controller.entry.accept_unproved=true").go(26.0).begins() is not None

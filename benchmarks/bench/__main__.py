@@ -71,7 +71,7 @@ def execute(options: argparse.Namespace) -> None:
         if "realtime" in options.only:
             from heave_bringup.run.run import Composed
 
-            from benchmarks.bench.realtime import measure_realtime
+            from benchmarks.bench.loop import measure_realtime
 
             composed = Composed() if options.composed else None
             result["realtime"] = [
@@ -85,7 +85,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(
         prog="python -m benchmarks.bench",
         description=SUMMARY,
-        epilog="example: make bench BENCH='--only loop controller --json bench.json'",
+        epilog=EXAMPLE,
     )
     parser.add_argument("--json", metavar="FILE", help="write the result as JSON; - for standard output")
     add_arguments(parser)

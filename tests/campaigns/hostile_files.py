@@ -11,7 +11,6 @@ status 1 where something is wrong.
 from __future__ import annotations
 
 import argparse
-import multiprocessing
 import random
 import shutil
 import sys
@@ -19,7 +18,6 @@ import tempfile
 import time
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "bags" / "test"))
 
@@ -28,7 +26,17 @@ from made_up_run import MadeUpRun, write_run
 from memory import peak_memory
 
 from tests.campaigns.hostile_texts import changed_scenario, changed_table
-from tests.campaigns.in_process import Result, Watch, commit_line, heave, judge, run_batches, table, write_results
+from tests.campaigns.in_process import (
+    Result,
+    Watch,
+    commit_line,
+    heave,
+    in_a_fork,
+    judge,
+    run_batches,
+    table,
+    write_results,
+)
 
 LONGEST = 5.0
 """Time of a processor that a command may take on a file [s]."""
@@ -67,14 +75,17 @@ def make_file(kind: str, chance: random.Random, folder: Path) -> Path:
 
 
 def try_file(number: int, work: Path) -> Result:
-    """Make the file of a `number` in the folder `work` and give it to every command that reads it, in processes."""
+    """Make the file of a `number` in the folder `work` and give it to every command that reads it.
+
+    Each in a process of its own, whose memory is counted from there.
+    """
     kind = KINDS[number % len(KINDS)]
     folder = work / f"{number}"
     (folder / "out").mkdir(parents=True)
-    file = _in_a_fork(lambda: make_file(kind, random.Random(number), folder))
-    result = _in_a_fork(lambda: _try(Result(str(number), kind), file, folder))
+    file = in_a_fork(lambda: make_file(kind, random.Random(number), folder))
+    result = in_a_fork(lambda: _try(Result(str(number), kind), file, folder))
     shutil.rmtree(folder)
-    return result if isinstance(result, Result) else Result(str(number), kind, {"all": str(result)})
+    return result if isinstance(result, Result) else Result(str(number), kind, {"all": f"ended with {result}"})
 
 
 def _try(result: Result, file: Path, folder: Path) -> Result:
@@ -97,21 +108,6 @@ def _try(result: Result, file: Path, folder: Path) -> Result:
         result.wrong["files"] = f"wrote {sorted(strange)[:3]}"
     result.memory = peak_memory()
     return result
-
-
-def _in_a_fork(task: Callable[[], Any]) -> Any:
-    """Return what a task gives in a process of its own, or in words how that ended: memory is counted from here."""
-    ours, theirs = multiprocessing.Pipe(duplex=False)
-    child = multiprocessing.get_context("fork").Process(target=lambda: theirs.send(task()))
-    child.start()
-    theirs.close()
-    try:
-        return ours.recv()
-    except EOFError:
-        child.join()
-        return f"the process ended with {child.exitcode}"
-    finally:
-        child.join()
 
 
 def _listing(work: Path, out: Path) -> set[str]:

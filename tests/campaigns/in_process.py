@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import multiprocessing
 import os
 import platform
 import resource
@@ -17,6 +18,7 @@ from io import StringIO
 from pathlib import Path
 from tempfile import TemporaryDirectory, TemporaryFile
 from types import FrameType
+from typing import Any
 
 from heave_bags.record.provenance import git_commit
 from heave_bringup.errors import ExitStatus
@@ -91,6 +93,24 @@ class Watch:
             place = " ".join(traceback.format_exception(error)[-2].split())
             self._wrong[self._command] = f"{type(error).__name__}: {error}; {place}"
         return True
+
+
+def in_a_fork(task: Callable[[], Any], longest: float | None = None) -> Any:
+    """Return what a task gives in a process of its own; None after `longest` [s], its exit status where it crashes."""
+    ours, theirs = multiprocessing.Pipe(duplex=False)
+    child = multiprocessing.get_context("fork").Process(target=lambda: theirs.send(task()))
+    child.start()
+    theirs.close()
+    try:
+        if not ours.poll(longest):
+            child.kill()
+            return None
+        return ours.recv()
+    except EOFError:
+        child.join()
+        return child.exitcode
+    finally:
+        child.join()
 
 
 @dataclass

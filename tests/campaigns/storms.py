@@ -27,6 +27,7 @@ from heave_node.numerics.arrays import Array
 from heave_node.numerics.kinematics import PointMotion
 
 from tests.campaigns.in_process import commit_line
+from tests.validation.peers.driven_run import smooth_rise
 
 TICK = 0.05
 LONGEST_TICK = 0.025
@@ -69,26 +70,20 @@ class Storm:
     def boom_tip(self, t: float) -> PointMotion:
         """Return the motion of the boom tip at `t` [s]."""
         omega = 2.0 * math.pi / self.period
-        size, slope = rise(t / RISE)
+        size, slope = smooth_rise(t / RISE)
         angle = omega * t + self.phase
         position = self.amplitude * size * math.sin(angle)
         velocity = self.amplitude * (slope / RISE * math.sin(angle) + size * omega * math.cos(angle))
-        size, slope = rise((t - self.moving_start) / 20.0)
+        size, slope = smooth_rise((t - self.moving_start) / 20.0)
         position[:2] += self.moved * size
         velocity[:2] += self.moved * slope / 20.0
         return PointMotion(t, position, velocity)
 
     def payout_at(self, t: float) -> tuple[float, float]:
         """Return payout [m] and its rate [m/s] at `t` [s]."""
-        out, out_slope = rise(t / self.paying_time)
-        back, back_slope = rise((t - self.hauling_start) / self.paying_time)
+        out, out_slope = smooth_rise(t / self.paying_time)
+        back, back_slope = smooth_rise((t - self.hauling_start) / self.paying_time)
         return self.payout * (out - back), self.payout * (out_slope - back_slope) / self.paying_time
-
-
-def rise(s: float) -> tuple[float, float]:
-    """Return a smooth rise from 0 at `s` = 0 to 1 at 1, and its slope."""
-    s = min(max(s, 0.0), 1.0)
-    return s**3 * (10.0 - 15.0 * s + 6.0 * s * s), 30.0 * s * s * (1.0 - s) ** 2
 
 
 def draw(number: int) -> Storm:

@@ -68,7 +68,7 @@ CASES = [
 @pytest.mark.parametrize(
     ("parameters", "heave", "payout"), CASES, ids=["locked", "steady", "periodic", "in", "sections"]
 )
-def test_axial_and_three_dimensional_solver_agree(parameters, heave, payout, gallery, request):
+def test_axial_and_three_dimensional_solver_agree(parameters, heave, payout):
     axial = simulate_axial(
         axial_line(parameters),
         parameters.length,
@@ -80,18 +80,6 @@ def test_axial_and_three_dimensional_solver_agree(parameters, heave, payout, gal
     )
     unit, tension = run_dynamics(parameters, HEAVE[heave], PAYOUT[payout])
 
-    def draw(figure):
-        axes = figure.subplots(2, 1, sharex=True)
-        axes[0].plot(TIME, unit + PAYOUT[payout], label="three-dimensional")
-        axes[0].plot(TIME, axial.unit_heave + PAYOUT[payout], "--", label="axial")
-        axes[0].set_ylabel("unit heave + payout [m]")
-        axes[0].legend()
-        axes[1].plot(TIME, tension / 1e3)
-        axes[1].plot(TIME, axial.top_tension / 1e3, "--")
-        axes[1].set(xlabel="time [s]", ylabel="top tension [kN]")
-
-    name = request.node.callspec.id.replace(" ", "_")
-    gallery(f"axial_against_dynamics_{name}", f"Axial and 3-D solver: heave {heave}, winch {payout}.", draw)
     moved = max(np.ptp(axial.unit_heave + PAYOUT[payout]), 0.05)
     # both start alike; the axial run moves with its first sample's speed, which is nothing here
     assert unit == pytest.approx(axial.unit_heave, abs=1e-4 * moved)

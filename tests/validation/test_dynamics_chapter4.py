@@ -21,6 +21,8 @@ from cable_sim_node.vertical.linear import heave_transfer_function
 from heave_node.numerics.constants import STANDARD_GRAVITY
 from heave_node.numerics.kinematics import PointMotion
 
+from tests.validation.peers.driven_run import smooth_rise
+
 LENGTH, RADIUS, MASS, CIRCLE = 4.573, 0.1016, 4.722, 0.1
 VOLUME = 4.0 / 3.0 * math.pi * RADIUS**3
 AIR_FREQUENCIES = (0.7, 1.0, 2.5, 4.0, 6.0, 8.0, 10.0, 12.0)
@@ -58,11 +60,10 @@ def circle(omega, ramp, radius=CIRCLE, up=1.0):
     """Return the motion x = a r cos(w t), z = a r sin(w t), r rising smoothly over `ramp` seconds; z times `up`."""
 
     def motion(t):
-        s = min(t / ramp, 1.0)
-        rise, slope = s**3 * (10.0 - 15.0 * s + 6.0 * s * s), 30.0 * s**2 * (1.0 - s) ** 2 / ramp
+        rise, slope = smooth_rise(t / ramp)
         place = np.array([math.cos(omega * t), 0.0, up * math.sin(omega * t)])
         turned = np.array([-math.sin(omega * t), 0.0, up * math.cos(omega * t)])
-        return PointMotion(t, radius * rise * place, radius * (slope * place + rise * omega * turned))
+        return PointMotion(t, radius * rise * place, radius * (slope / ramp * place + rise * omega * turned))
 
     return motion
 

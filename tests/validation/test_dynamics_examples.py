@@ -15,7 +15,7 @@ from cable_sim_node.line.dynamics import CableDynamics
 from cable_sim_node.parameters import CableParameters, CableSimParameters, SolverParameters, UnitParameters
 from heave_node.numerics.kinematics import PointMotion
 
-from tests.validation.peers.driven_run import first_harmonic, lower, ramped_sine, run_driven
+from tests.validation.peers.driven_run import first_harmonic, lower, ramped_sine, run_driven, smooth_rise, smooth_start
 from tests.validation.peers.moordyn import RK2, run_moordyn
 from tests.validation.peers.reference_systems import s300
 
@@ -134,9 +134,7 @@ def loop_turn(speed):
     rise, radius, straight = 30.0, 150.0, 800.0
 
     def motion(t):
-        s = min(t / rise, 1.0)
-        way = speed * (rise * (2.5 * s**4 - 3.0 * s**5 + s**6) + max(t - rise, 0.0))
-        rate = speed * s**3 * (10.0 - 15.0 * s + 6.0 * s * s)
+        way, rate = (speed * one for one in smooth_start(t, rise))
         turn = 2.0 * math.pi * radius
         if straight < way < straight + turn:
             angle = (way - straight) / radius
@@ -245,12 +243,8 @@ def test_pintos_towed_cable_speeds_up_and_slows_down_to_the_straight_line(slow, 
     plant.start_at_equilibrium(np.zeros(3))
 
     def motion(t):
-        s = min(t / 60.0, 1.0)
-        change = fast - slow
-        way = change * (60.0 * (2.5 * s**4 - 3.0 * s**5 + s**6) + max(t - 60.0, 0.0))
-        return PointMotion(
-            t, np.array([way, 0.0, 0.0]), np.array([change * s**3 * (10.0 - 15.0 * s + 6.0 * s * s), 0.0, 0.0])
-        )
+        way, rate = ((fast - slow) * one for one in smooth_start(t, 60.0))
+        return PointMotion(t, np.array([way, 0.0, 0.0]), np.array([rate, 0.0, 0.0]))
 
     def slope():
         x = plant.node_positions
@@ -270,14 +264,13 @@ def in_pintos_wave(t, tow=0.0):
 
     Wave and speed of the tow [m/s] rise within 30 s.
     """
-    omega, s = 2.0 * math.pi / 10.0, min(t / 30.0, 1.0)
-    rise = s**3 * (10.0 - 15.0 * s + 6.0 * s * s)
-    slope = 30.0 * s**2 * (1.0 - s) ** 2 / 30.0
+    omega = 2.0 * math.pi / 10.0
+    rise, slope = smooth_rise(t / 30.0)
     sizes, phases = np.array([3.0 * 0.708, 0.0, 3.0 * 1.619]), np.array([math.radians(-45.9), 0.0, 0.0])
     sine, cosine = np.sin(omega * t + phases), np.cos(omega * t + phases)
-    way = 30.0 * (2.5 * s**4 - 3.0 * s**5 + s**6) + max(t - 30.0, 0.0)
+    way, _ = smooth_start(t, 30.0)
     towed = np.array([tow, 0.0, 0.0])
-    velocity = sizes * (slope * sine + rise * omega * cosine) + rise * towed
+    velocity = sizes * (slope / 30.0 * sine + rise * omega * cosine) + rise * towed
     return PointMotion(t, sizes * rise * sine + way * towed, velocity)
 
 

@@ -10,7 +10,7 @@ from cable_sim_node.line.dynamics import CableDynamics
 from cable_sim_node.parameters import CableParameters, CableSimParameters, SolverParameters, UnitParameters
 from heave_node.numerics.kinematics import PointMotion
 
-from tests.validation.peers.driven_run import first_harmonic, ramped_sine
+from tests.validation.peers.driven_run import first_harmonic, ramped_sine, smooth_rise, smooth_start
 
 EA, MU, LENGTH, TENSION = 1.5614508e7, 5.4, 300.0, 36_000.0
 
@@ -39,11 +39,8 @@ def smooth_step(size, direction, rise):
     """Return a boom-tip motion that goes `size` m in `direction` in `rise` s and stays."""
 
     def motion(t):
-        s = min(t / rise, 1.0)
-        v = 30.0 * s**2 * (1.0 - s) ** 2 / rise
-        return PointMotion(
-            time=t, position=direction * size * s**3 * (10 - 15 * s + 6 * s * s), velocity=direction * size * v
-        )
+        way, slope = smooth_rise(t / rise)
+        return PointMotion(t, direction * size * way, direction * size * slope / rise)
 
     return motion
 
@@ -164,9 +161,8 @@ def test_on_the_line_the_tensile_front_keeps_the_shape_and_the_transverse_front_
     speed, rise, duration, tick = np.array([0.1, 0.0, 0.0]), 0.1, 0.5, 2e-3
 
     def motion(t):
-        x = min(t / rise, 1.0)
-        way = rise * (2.5 * x**4 - 3.0 * x**5 + x**6) + max(t - rise, 0.0)
-        return PointMotion(t, speed * way, speed * x**3 * (10.0 - 15.0 * x + 6.0 * x * x))
+        way, rate = smooth_start(t, rise)
+        return PointMotion(t, speed * way, speed * rate)
 
     for k in range(round(duration / tick)):
         plant.advance(tick, motion(k * tick), motion((k + 1) * tick), 0.0, 0.0, 0.0, 0.0)

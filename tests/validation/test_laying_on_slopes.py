@@ -29,6 +29,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.optimize import brentq
 
+from tests.validation.peers.driven_run import smooth_start
+
 WEIGHT, DIAMETER = 10.96, 0.0264
 LIGHT = CableParameters(
     diameter=DIAMETER,
@@ -99,9 +101,8 @@ class Lay:
 
     def ship(self, t):
         """Return the ship's way [m] and speed [m/s]."""
-        s = min(t / SPEED_UP, 1.0)
-        way = SPEED_UP * (2.5 * s**4 - 3.0 * s**5 + s**6) + max(t - SPEED_UP, 0.0)
-        return self.speed * way, self.speed * s**3 * (10.0 - 15.0 * s + 6.0 * s * s)
+        way, rate = smooth_start(t, SPEED_UP)
+        return self.speed * way, self.speed * rate
 
     def touchdown(self, ship):
         """Return where the straight line from the ship at x = `ship` meets the bottom."""

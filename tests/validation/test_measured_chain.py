@@ -31,6 +31,8 @@ from cable_sim_node.parameters import (
 )
 from heave_node.numerics.kinematics import PointMotion
 
+from tests.validation.peers.driven_run import smooth_rise
+
 AREA = 0.0818 / 7800.0
 """Cross-section of the chain's steel [m^2]: 0.0818 kg/m of 7,800 kg/m^3."""
 NOMINAL = 0.0022
@@ -81,12 +83,6 @@ MEASURED = {
 PEER = {3.5: Cycles(52.03, 0.93, 25.09, 25.62), 1.25: Cycles(71.01, 0.0, 28.03, 32.70)}
 
 
-def smooth(s):
-    """Return a rise from 0 to 1 and its slope at `s`, 0 to 1."""
-    s = min(max(s, 0.0), 1.0)
-    return s**3 * (10.0 - 15.0 * s + 6.0 * s * s), 30.0 * s**2 * (1.0 - s) ** 2
-
-
 def circled(period, *, nearer=0.0, cycles=8, tick=0.01):
     """Return times [s] and top tension [N] of the last `cycles`, and the largest of each; anchor `nearer` [m]."""
     plant = CableDynamics(CHAIN)
@@ -97,8 +93,8 @@ def circled(period, *, nearer=0.0, cycles=8, tick=0.01):
 
     def tip(t):
         """Draw the chain out in `drawn` seconds; then round, downwards where it is furthest from the anchor."""
-        out, pull = smooth(t / drawn)
-        size, growth = smooth((t - drawn - 4.0) / ramp)
+        out, pull = smooth_rise(t / drawn)
+        size, growth = smooth_rise((t - drawn - 4.0) / ramp)
         turn = RADIUS * cmath.exp(1j * omega * (t - drawn - 4.0))
         place, speed = size * turn, (growth / ramp + 1j * omega * size) * turn
         return PointMotion(

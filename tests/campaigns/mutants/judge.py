@@ -10,7 +10,6 @@ import ast
 import importlib
 import importlib.abc
 import importlib.util
-import multiprocessing
 import os
 import resource
 import sys
@@ -28,6 +27,7 @@ import pytest
 from heave_node.ros.transport.parents_death import end_with
 from hypothesis import Phase, settings
 
+from tests.campaigns import in_process
 from tests.campaigns.mutants.mutations import Mutation, mutated
 
 ROOT = Path(__file__).parents[3]
@@ -226,27 +226,15 @@ def _tracer(lines: set[int], file: str) -> Callable[[FrameType, str, Any], Any]:
 
 
 def in_a_fork(task: Callable[[], Any], longest: float) -> Any:
-    """Return what a task gives in a process of its own; None after `longest` [s], its exit status where it crashes."""
-    ours, theirs = multiprocessing.Pipe(duplex=False)
-    child = multiprocessing.get_context("fork").Process(target=_quietly, args=(task, theirs, os.getpid()))
-    child.start()
-    theirs.close()
-    try:
-        if not ours.poll(longest):
-            child.kill()
-            return None
-        return ours.recv()
-    except EOFError:
-        child.join()
-        return child.exitcode
-    finally:
-        child.join()
+    """Return what a task gives in a quiet process of its own; see `tests.campaigns.in_process.in_a_fork`."""
+    parent = os.getpid()
 
+    def quietly() -> Any:
+        end_with(parent)
+        resource.setrlimit(resource.RLIMIT_DATA, (MEMORY, MEMORY))
+        nowhere = os.open(os.devnull, os.O_RDWR)
+        for number in (0, 1, 2):
+            os.dup2(nowhere, number)
+        return task()
 
-def _quietly(task: Callable[[], Any], result: Any, parent: int) -> None:
-    end_with(parent)
-    resource.setrlimit(resource.RLIMIT_DATA, (MEMORY, MEMORY))
-    nowhere = os.open(os.devnull, os.O_RDWR)
-    for number in (0, 1, 2):
-        os.dup2(nowhere, number)
-    result.send(task())
+    return in_process.in_a_fork(quietly, longest)

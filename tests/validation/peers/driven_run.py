@@ -29,6 +29,18 @@ class DrivenResponse:
     tension: Array  # top tension [N], shape (k,)
 
 
+def smooth_rise(s: float) -> tuple[float, float]:
+    """Return a rise from 0 at `s` = 0 to 1 at 1 and its slope; that, and its bend, vanish at both ends."""
+    s = min(max(s, 0.0), 1.0)
+    return s**3 * (10.0 - 15.0 * s + 6.0 * s * s), 30.0 * s**2 * (1.0 - s) ** 2
+
+
+def smooth_start(t: float, rise: float) -> tuple[float, float]:
+    """Return way [m] and speed [m/s] at `t` [s] of what comes from rest to 1 m/s within `rise` [s]: `smooth_rise`."""
+    s = min(t / rise, 1.0)
+    return rise * (2.5 * s**4 - 3.0 * s**5 + s**6) + max(t - rise, 0.0), smooth_rise(s)[0]
+
+
 def ramped_sine(amplitude: Sequence[float], frequency: float, ramp: float) -> Callable[[float], PointMotion]:
     """Return the motion x_i = a_i r(t) sin(w t) [m], with r a ramp whose first two derivatives vanish at its ends.
 
@@ -42,8 +54,8 @@ def ramped_sine(amplitude: Sequence[float], frequency: float, ramp: float) -> Ca
 
     def motion(t: float) -> PointMotion:
         s = min(t / ramp, 1.0)
-        rise = s**3 * (10.0 - 15.0 * s + 6.0 * s * s)
-        slope = 30.0 * s**2 * (1.0 - s) ** 2 / ramp
+        rise, slope = smooth_rise(s)
+        slope /= ramp
         bend = 60.0 * s * (1.0 - s) * (1.0 - 2.0 * s) / ramp**2
         sine, cosine = math.sin(frequency * t), math.cos(frequency * t)
         return PointMotion(
