@@ -41,7 +41,11 @@ class DrumReading(NamedTuple):
 
 
 class MotionSupervision:
-    """Supervises one drum; a rule must be broken for a `time` [s], and with 0 there is no supervision.
+    """Supervises one drum.
+
+    Parameters
+    ----------
+    time : for which a rule must be broken [s]; 0: no supervision
 
     Attributes
     ----------
