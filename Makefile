@@ -50,7 +50,7 @@ validate: $(VENV)/.test-installed  ## the longest tests, and campaigns of six ho
 	$(BIN)/python -m tests.campaigns.sensor_faults
 	$(BIN)/python -m tests.campaigns.fault_matrix --cases 1000 --workers 2
 	$(BIN)/python -m tests.campaigns.seas
-	$(BIN)/heave study few --draws 64 --ask informed=true
+	$(BIN)/heave study few --draws 64
 	$(BIN)/heave study stacked --draws 64
 	$(BIN)/heave study seas --draws 32
 	$(BIN)/heave study lifts --draws 32
