@@ -170,7 +170,8 @@ class _Problem:
     def residual(self, theta: Array) -> Array:
         """Return what the model at theta, shape (3,) or (5,), leaves of the record, shape (N,)."""
         a, b, mean, x, v = np.concatenate((theta, np.zeros(5 - len(theta))))
-        return self.unit - mean - respond(a, b, x, v, self._outlet, self._middle, self._period, self._is_quadratic)
+        model: Array = respond(a, b, x, v, self._outlet, self._middle, self._period, self._is_quadratic)
+        return np.asarray(self.unit - mean - model)
 
     def cost(self, theta: Array) -> float:
         """Return the sum of squares, infinite where the model runs away or its numbers make no sense."""

@@ -100,7 +100,7 @@ def test_the_results_of_another_study_are_not_taken(kind, monkeypatch):
     with pytest.raises(ParameterError, match=r"out/journal\.jsonl: holds results of another study"):
         run_study(kind, Path("out"), processes=1)
     run_study(kind, Path("whole"), processes=1)
-    Path("own.yaml").write_text(TEXT + "baseline: true\n")
+    Path("own.yaml").write_text(TEXT + "adviser: false\n")
     with pytest.raises(ParameterError, match=r"whole/table\.parquet: holds results of another study"):
         run_study(Cases(read_study(Path("own.yaml"))), Path("whole"), processes=1)
 
