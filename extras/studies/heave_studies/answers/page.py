@@ -12,7 +12,7 @@ from heave_bags.report.report import render_page, unbroken
 
 from heave_studies.answers.answer import Found
 from heave_studies.study.cases import screening_words
-from heave_studies.study.summary import case_table
+from heave_studies.study.summary import case_table, remarks
 from heave_studies.study.table import LOST
 
 FOOTER = "For a PDF, print this page."
@@ -65,4 +65,5 @@ def _cases(frame: pandas.DataFrame, file: Path) -> str:
     line = f"heave study --case {html.escape(str(file))}:CASE"
     how = f"<p>The scenario of a case, for a run over ROS: <code>{line}</code></p>"
     cells = table(shown.columns, shown.rows, texts=2, last_is_text=True)
-    return f"<details><summary>{len(shown.rows)} of {len(frame)} cases</summary>{how}{cells}</details>"
+    lines = "".join(f"<li>{html.escape(unbroken(words))}</li>" for words in remarks(frame))
+    return f"<details><summary>{len(shown.rows)} of {len(frame)} cases</summary>{how}{cells}<ul>{lines}</ul></details>"
