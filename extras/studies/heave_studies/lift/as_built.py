@@ -7,7 +7,7 @@ the parts is the scenario's. What these cannot tell stays unknown, and is said o
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -16,6 +16,7 @@ from heave_bags.analyse.run_record import TRUE, RunRecord
 from heave_bags.analyse.verdict import FAILED, PASSED, Judged
 from heave_bags.signals import RunSignals, Signal
 from heave_bringup.scenarios import Scenario
+from heave_node.criteria import Criterion
 from heave_node.loads.strength import strengths
 from heave_node.numerics.arrays import Array
 from heave_node.numerics.constants import STANDARD_GRAVITY
@@ -23,7 +24,6 @@ from heave_node.parameters import ParameterError, flatten
 from scipy.ndimage import uniform_filter1d
 from scipy.signal import savgol_filter
 
-from heave_studies.answers.answer import Criteria
 from heave_studies.study.phases import Phase
 
 NOT_REACHED, IN_PART = "not in the bag", "passed in part"
@@ -73,12 +73,15 @@ class AsBuilt:
         }
 
 
-def as_built(phases: Sequence[Phase], criteria: Criteria, scenario: Scenario, record: RunRecord) -> list[AsBuilt]:
+def as_built(
+    phases: Sequence[Phase], criteria: Mapping[str, Sequence[Criterion]], scenario: Scenario, record: RunRecord
+) -> list[AsBuilt]:
     """Return what became of each phase of a lift in the bag of it.
 
     Parameters
     ----------
-    phases, criteria : of the lift
+    phases : of the lift
+    criteria : of each, by its name
     scenario : of its study
     record : of the bag
 
