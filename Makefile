@@ -45,7 +45,7 @@ test: style  ## set up, then every check: ruff, then mypy among the tests, on tw
 validate: $(VENV)/.test-installed  ## the longest tests, and campaigns of five hours or more: 1,000 faults in all modes, 192 draws of the day of the promise, 1,000 damaged bags, 1,000 hostile files, 100 killed runs, 200 interrupted studies, 1,000 storms, 200 answers of what would have been, 15 simulated hours and a real one
 	$(BIN)/python -m pytest -m long
 	$(BIN)/python -m tests.campaigns.fault_matrix --cases 1000 --workers 2
-	$(BIN)/heave study few --draws 64 --ask informed=true
+	$(BIN)/heave study few --draws 64
 	$(BIN)/heave study stacked --draws 64
 	$(BIN)/heave study seas --draws 32
 	$(BIN)/heave study lifts --draws 32

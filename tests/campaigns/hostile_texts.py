@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-import base64
 import hashlib
-import io
 import json
 import random
-import zipfile
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +14,6 @@ from heave_bringup.nodes import NODE_BY_NAME
 from heave_bringup.scenarios import shipped_scenarios
 from heave_node.parameters import ParameterInfo, describe
 from heave_node.scenario import read_sections, sections_text
-from heave_studies.study.case_file import FILE_MARK
 
 BOMBS: tuple[bytes, ...] = (
     b"a: &a [x, x, x]\n" + b"".join(b"k%d: &k%d [*a, *a, *a]\n" % (n, n) for n in range(30)),
@@ -144,25 +140,21 @@ def _own_section(content: bytes, chance: random.Random) -> bytes:
 
 
 def changed_table(chance: random.Random, path: Path) -> Path:
-    """Write a table of one case to `path` whose scenario, files, metadata or bytes are changed; return the path."""
+    """Write a table of one case to `path` whose scenario, files or bytes are changed; return the path."""
     digest = hashlib.sha256(b"content").hexdigest()
-    kept: dict[str, Any] = {"name": "own.csv", "size": 7, "zip": _archive(chance)}
+    file: Any = {"sha256": digest, "bytes": 7}
     text = changed_scenario(chance).decode(errors="replace") if chance.random() < 0.3 else _names_a_file()
-    files: Any = {"/nowhere/own.csv": digest}
-    key = digest
+    files: Any = {"/nowhere/own.csv": file}
     for _ in range(chance.randint(1, 2)):
-        which = chance.randrange(6)
+        which = chance.randrange(5)
         if which == 0:
-            key = chance.choice(("../../up", "/tmp/hostile", "a", digest[:-1], digest.upper(), "\n" * 64))
-            files = {"/nowhere/own.csv": key}
+            file["sha256"] = chance.choice(("../../up", "/tmp/hostile", "a", digest[:-1], digest.upper(), "\n" * 64))
         elif which == 1:
-            kept["name"] = chance.choice(NAMES)
+            file["bytes"] = chance.choice(SIZES)
         elif which == 2:
-            kept["size"] = chance.choice(SIZES)
+            files = {str(chance.choice(NAMES)): file}
         elif which == 3:
-            files = chance.choice(({}, [], 7, {"/": digest}, {"/dev/zero": digest}, {"/nowhere/own.csv": 7}, None))
-        elif which == 4:
-            kept = chance.choice(({}, {"name": "own.csv"}, {**kept, "zip": 7}, {**kept, "zip": "!!"}))
+            files = chance.choice(({}, [], 7, {"/": file}, {"/dev/zero": file}, {"/nowhere/own.csv": 7}, None))
     columns: dict[str, Any] = {"case": [1], "seed": [1], "nominal": [False], "failure": [""], "tension_max_n": [1.0]}
     columns |= {"scenario": [text], "files": [json.dumps(files)]}
     if chance.random() < 0.1:
@@ -171,10 +163,7 @@ def changed_table(chance: random.Random, path: Path) -> Path:
         count = 300_000
         same = pyarrow.DictionaryArray.from_arrays(pyarrow.array([0] * count, pyarrow.int32()), ["x" * 20_000])
         columns = {"case": pyarrow.array(range(count)), "scenario": same}
-    rows = pyarrow.table(columns)
-    pyarrow.parquet.write_table(
-        rows.replace_schema_metadata({FILE_MARK + key.encode(): json.dumps(kept).encode()}), path
-    )
+    pyarrow.parquet.write_table(pyarrow.table(columns), path)
     if chance.random() < 0.3:
         content = bytearray(path.read_bytes())
         for _ in range(chance.randint(1, 20)):
@@ -187,22 +176,3 @@ def _names_a_file() -> str:
     sections = read_sections(shipped_scenarios()["unit_1500"])
     sections.setdefault("/**/wave_vessel", {})["vessel.rao_file"] = "/nowhere/own.csv"
     return sections_text(sections)
-
-
-def _archive(chance: random.Random) -> str:
-    members = chance.choice(
-        (
-            [("own.csv", b"content")],
-            [("../own.csv", b"content")],
-            [("/tmp/heave-hostile.csv", b"content")],
-            [("own.csv", bytes(200_000_000))],
-            [("own.csv", b"other..")],
-            [(f"own.csv/{number}", b"") for number in range(3000)],
-        )
-    )
-    buffer = io.BytesIO()
-    with zipfile.ZipFile(buffer, "w", zipfile.ZIP_DEFLATED) as archive:
-        for name, content in members:
-            archive.writestr(name, content)
-    packed = buffer.getvalue()
-    return base64.b64encode(packed[: chance.choice((len(packed), len(packed), len(packed) // 2))]).decode()

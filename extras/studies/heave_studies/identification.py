@@ -1,4 +1,4 @@
-"""Identification of the two-state cable from a response (thesis 6.2.3): least squares with the sensitivity equations.
+"""Identification of the two-state cable from a response (thesis 6.2.3): least squares.
 
 Models: a x'' + b x' + x = e (Eq. 6.2) and a x'' + b x' abs(x') + x = e (Eq. 6.3), with e = boom-tip heave less payout.
 Besides a and b the start of the record and the mean of the sensor are found, so that any piece of a recording will do.
@@ -7,15 +7,13 @@ Besides a and b the start of the record and the mean of the sensor are found, so
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 from cable_sim_node.vertical.axial import simulate_axial
 from heave_node.numerics.arrays import Array
-from heave_node.numerics.compiled import inner_kernel, kernel
+from heave_node.numerics.compiled import kernel
 from heave_node.numerics.kinematics import smooth_ramp
 from numpy.typing import ArrayLike
 from scipy.interpolate import CubicSpline
@@ -24,35 +22,10 @@ from winch_controller_node.design.bounds import boom_tip_realisation
 from winch_controller_node.design.design import assumed_cable, assumed_plant
 from winch_controller_node.node_parameters import WinchControllerParameters
 
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
-PAIRS = 5
-"""Pairs (value, rate): x, and its derivatives by a, b, start heave, start rate."""
-
-
-@inner_kernel
-def _slopes(state: Array, e: float, a: float, b: float, is_quadratic: bool, out: Array) -> None:
-    x, v = state[0], state[1]
-    if is_quadratic:
-        drag = v * abs(v)
-        drag_slope = 2.0 * abs(v)
-    else:
-        drag = v
-        drag_slope = 1.0
-    out[0] = v
-    out[1] = (e - x - b * drag) / a
-    for pair in range(1, PAIRS):
-        value, rate = state[2 * pair], state[2 * pair + 1]
-        out[2 * pair] = rate
-        out[2 * pair + 1] = -(value + b * drag_slope * rate) / a
-    out[3] += (x + b * drag - e) / a**2
-    out[5] -= drag / a
-
 
 @kernel
 def respond(a: float, b: float, x: float, v: float, e: Array, e_middle: Array, h: float, is_quadratic: bool) -> Array:
-    """Return x and its derivatives by a, b, start heave and start rate at each sample, shape (N, 5).
+    """Return x at each sample, shape (N,), by the classical Runge-Kutta method.
 
     Parameters
     ----------
@@ -62,21 +35,19 @@ def respond(a: float, b: float, x: float, v: float, e: Array, e_middle: Array, h
     is_quadratic : drag b v abs(v) instead of b v
     """
     n = len(e)
-    out = np.empty((n, PAIRS))
-    state = np.zeros(2 * PAIRS)
-    state[0], state[1] = x, v
-    state[6] = 1.0
-    state[9] = 1.0
-    k1, k2, k3, k4 = np.empty(2 * PAIRS), np.empty(2 * PAIRS), np.empty(2 * PAIRS), np.empty(2 * PAIRS)
+    out, slopes = np.empty(n), np.zeros((4, 2))
     for k in range(n):
-        out[k] = state[::2]
+        out[k] = x
         if k == n - 1:
             break
-        _slopes(state, e[k], a, b, is_quadratic, k1)
-        _slopes(state + 0.5 * h * k1, e_middle[k], a, b, is_quadratic, k2)
-        _slopes(state + 0.5 * h * k2, e_middle[k], a, b, is_quadratic, k3)
-        _slopes(state + h * k3, e[k + 1], a, b, is_quadratic, k4)
-        state += h / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4)
+        for stage in range(4):
+            outlet = e[k] if stage == 0 else e[k + 1] if stage == 3 else e_middle[k]
+            step = 0.0 if stage == 0 else h if stage == 3 else 0.5 * h
+            at, rate = x + step * slopes[stage - 1, 0], v + step * slopes[stage - 1, 1]
+            drag = rate * abs(rate) if is_quadratic else rate
+            slopes[stage, 0], slopes[stage, 1] = rate, (outlet - at - b * drag) / a
+        x += h / 6.0 * (slopes[0, 0] + 2.0 * slopes[1, 0] + 2.0 * slopes[2, 0] + slopes[3, 0])
+        v += h / 6.0 * (slopes[0, 1] + 2.0 * slopes[1, 1] + 2.0 * slopes[2, 1] + slopes[3, 1])
     return out
 
 
@@ -164,9 +135,7 @@ def identify(
     if drag not in ("linear", "quadratic"):
         raise IdentificationError(f"drag must be linear or quadratic; got {drag!r}")
     problem = _Problem(t, tip - paid, unit, drag == "quadratic", starts_at_rest)
-    theta = problem.start(guess)
-    theta, iterations = _fitted(problem, theta)
-    return problem.result(theta, iterations, drag)
+    return problem.fitted(problem.start(guess), drag)
 
 
 def _check_record(t: Array, tip: Array, unit: Array, paid: Array) -> None:
@@ -187,7 +156,7 @@ def _check_record(t: Array, tip: Array, unit: Array, paid: Array) -> None:
 
 
 class _Problem:
-    """Residual and sensitivities of one record; theta = a, b, mean of the sensor, start heave, start rate."""
+    """Residual of one record; theta = a, b, mean of the sensor, start heave, start rate."""
 
     def __init__(self, time: Array, outlet: Array, unit: Array, is_quadratic: bool, starts_at_rest: bool) -> None:
         self.time, self.unit = time, unit
@@ -198,59 +167,63 @@ class _Problem:
         self._is_quadratic = is_quadratic
         self.free = 3 if starts_at_rest else 5
 
-    def evaluate(self, theta: Array) -> tuple[Array, Array]:
-        """Return the residual, shape (N,), and its derivatives with the sign of the model, shape (N, free)."""
-        a, b, mean, x, v = theta
-        traces = respond(a, b, x, v, self._outlet, self._middle, self._period, self._is_quadratic)
-        sensitivities = np.column_stack((traces[:, 1], traces[:, 2], np.ones(len(traces)), traces[:, 3], traces[:, 4]))
-        return self.unit - (traces[:, 0] + mean), sensitivities[:, : self.free]
+    def residual(self, theta: Array) -> Array:
+        """Return what the model at theta, shape (3,) or (5,), leaves of the record, shape (N,)."""
+        a, b, mean, x, v = np.concatenate((theta, np.zeros(5 - len(theta))))
+        model: Array = respond(a, b, x, v, self._outlet, self._middle, self._period, self._is_quadratic)
+        return np.asarray(self.unit - mean - model)
 
     def cost(self, theta: Array) -> float:
         """Return the sum of squares, infinite where the model runs away or its numbers make no sense."""
         if theta[0] <= 0.0 or theta[1] < 0.0:
             return math.inf
-        residual, _ = self.evaluate(theta)
         with np.errstate(over="ignore", invalid="ignore"):
-            total = float(residual @ residual)
+            total = float(np.sum(self.residual(theta) ** 2))
         return total if math.isfinite(total) else math.inf
 
     def start(self, guess: tuple[float, float] | None) -> Array:
         """Return where to begin: `guess`, or the best of a coarse grid."""
-        mean = float(self.unit.mean() - self._outlet.mean())
+        rest = np.zeros(self.free - 2)
+        rest[0] = self.unit.mean() - self._outlet.mean()
         if guess is not None:
             if not (guess[0] > 0.0 and guess[1] >= 0.0):
                 raise IdentificationError(f"the guess must have a > 0 and b >= 0; got {guess[0]:g}, {guess[1]:g}")
-            return np.array([guess[0], guess[1], mean, 0.0, 0.0])
+            return np.array([*guess, *rest])
         shortest = self._period**2
         grid = [
-            np.array([a, b * math.sqrt(a), mean, 0.0, 0.0])
+            np.array([a, b * math.sqrt(a), *rest])
             for a in np.geomspace(max(0.01, shortest), 60.0, 48)
             for b in (0.02, 0.1, 0.5)
         ]
         return min(grid, key=self.cost)
 
-    def result(self, theta: Array, iterations: int, drag: str) -> Identification:
-        """Return the identification at the solution."""
-        residual, sensitivities = self.evaluate(theta)
-        information = sensitivities.T @ sensitivities
-        dof = max(len(residual) - len(information), 1)
-        variance = float(residual @ residual) / dof
+    def fitted(self, start: Array, drag: str) -> Identification:
+        """Return the identification, by scipy's trust region within a > 0, b >= 0 from a `start`."""
+        if not math.isfinite(self.cost(start)):
+            raise IdentificationError("the model diverges from the first guess: choose another guess")
+        lowest = np.full(self.free, -np.inf)
+        lowest[:2] = np.finfo(float).tiny, 0.0
+        with np.errstate(over="ignore", invalid="ignore"):
+            found = least_squares(self.residual, start, bounds=(lowest, np.inf), x_scale="jac", ftol=CONVERGED)
+        if not found.success:
+            raise IdentificationError(f"no convergence in {found.nfev} steps: the response is not that of a cable")
+        residual, information = found.fun, found.jac.T @ found.jac
+        variance = float(residual @ residual) / max(len(residual) - self.free, 1)
         whole = np.asarray(np.linalg.pinv(information), dtype=np.float64) * variance * _correlation_factor(residual)
         swing = float(np.linalg.norm(self.unit - self.unit.mean()))
         fit = 1.0 - float(np.linalg.norm(residual)) / swing
-        poor = f"poor fit: the model explains {100.0 * fit:.0f} % of the motion" if fit < POOR_FIT else ""
         return Identification(
             drag=drag,
-            a=float(theta[0]),
-            b=float(theta[1]),
+            a=float(found.x[0]),
+            b=float(found.x[1]),
             covariance=whole[:2, :2],
             fit=fit,
             residual_sigma=math.sqrt(variance),
-            iterations=iterations,
+            iterations=int(found.njev),
             time=self.time,
             measured=self.unit,
             model=self.unit - residual,
-            note=poor,
+            note=f"poor fit: the model explains {100.0 * fit:.0f} % of the motion" if fit < POOR_FIT else "",
         )
 
 
@@ -268,52 +241,13 @@ def _correlation_factor(residual: Array) -> float:
     return 1.0 + 2.0 * float(np.sum(weights * (covariance[lags] / covariance[0]) ** 2))
 
 
-def _fitted(problem: _Problem, start: Array) -> tuple[Array, int]:
-    """Return the solution and the number of steps, by scipy's trust region within a > 0, b >= 0."""
-    if not math.isfinite(problem.cost(start)):
-        raise IdentificationError("the model diverges from the first guess: choose another guess")
-    theta, free = start.copy(), problem.free
-
-    def at(values: Array) -> tuple[Array, Array]:
-        theta[:free] = values
-        return problem.evaluate(theta)
-
-    lowest = np.full(free, -np.inf)
-    lowest[:2] = np.finfo(float).tiny, 0.0
-    with np.errstate(over="ignore", invalid="ignore"):
-        found = least_squares(
-            lambda values: at(values)[0],
-            start[:free],
-            lambda values: -at(values)[1],
-            bounds=(lowest, np.inf),
-            x_scale="jac",
-            ftol=CONVERGED,
-        )
-    if not found.success:
-        raise IdentificationError(f"no convergence in {found.nfev} steps: the response is not that of a cable")
-    theta[:free] = found.x
-    return theta, int(found.njev)
-
-
 DURATION = 600.0
 SAMPLE_PERIOD = 0.1
 RAMP = 30.0
 SHOWN = 200.0
 
 
-@dataclass(frozen=True)
-class LengthPoint:
-    """What was identified at one deployed length, beside the linearised plant."""
-
-    length: float  # deployed [m]
-    identified: Identification  # from the simulated response
-    linearised_a: float  # a of the linearised plant [s^2]
-    linearised_b: float  # b of the linearised plant [s]
-
-
-def identify_simulated(
-    parameters: WinchControllerParameters, *, length: float | None = None, drag: str = "linear", seed: int = 1
-) -> Identification:
+def identify_simulated(parameters: WinchControllerParameters, *, drag: str = "linear", seed: int = 1) -> Identification:
     """Identify a and b as thesis 6.2.3 does: from the axial cable's response to a realisation of the design sea.
 
     The record of 600 s starts at rest and grows over 30 s; the winch is locked.
@@ -321,14 +255,12 @@ def identify_simulated(
     Parameters
     ----------
     parameters : of plant and sea
-    length : deployed length [m]; None: that of the parameters
     drag : "linear" or "quadratic"
     seed : of the sea
 
     Raises IdentificationError, or the AxialError of a response that cannot be simulated.
     """
-    length = parameters.length if length is None else length
-    plant = assumed_plant(parameters)
+    length, plant = parameters.length, assumed_plant(parameters)
     tip = boom_tip_realisation(parameters.sea, parameters.vessel, duration=DURATION, step=SAMPLE_PERIOD, seed=seed)
     time = SAMPLE_PERIOD * np.arange(len(tip))
     tip = tip * np.array([smooth_ramp(float(t), RAMP)[0] for t in time])
@@ -344,43 +276,8 @@ def identify_simulated(
     return found
 
 
-def identify_against_length(
-    parameters: WinchControllerParameters, lengths: Sequence[float], *, drag: str = "linear", seed: int = 1
-) -> list[LengthPoint]:
-    """Return a and b of the plant in `parameters` at each of `lengths` [m].
-
-    `drag` and `seed` as for `identify_simulated`.
-    """
-    points = []
-    for length in lengths:
-        cable = assumed_cable(parameters, length)
-        found = identify_simulated(parameters, length=length, drag=drag, seed=seed)
-        points.append(LengthPoint(length, found, cable.a, cable.b))
-    return points
-
-
-def format_lengths(points: Sequence[LengthPoint]) -> str:
-    """Return the `points` of `identify_against_length` as a table."""
-    lines = ["length m    a s2   sigma       b   sigma   fit %   linearised a s2      b s"]
-    for point in points:
-        found = point.identified
-        sigma = np.sqrt(np.diag(found.covariance))
-        lines.append(
-            f"{point.length:8.1f} {found.a:7.4f} {sigma[0]:7.4f} {found.b:7.4f} {sigma[1]:7.4f} "
-            f"{100.0 * found.fit:7.2f} {point.linearised_a:17.4f} {point.linearised_b:8.4f}"
-        )
-    return "\n".join(lines)
-
-
 def draw_identification(found: Identification, path: Path) -> None:
-    """Draw response, model and residual (thesis figs 6.11 to 6.13) of what was `found` to `path`."""
-    figure = identification_figure(found)
-    path.parent.mkdir(parents=True, exist_ok=True)
-    figure.savefig(path)
-
-
-def identification_figure(found: Identification) -> Figure:
-    """Return the figure of what was `found`: measured and model of the last 200 s above, residual below."""
+    """Draw what was `found` to `path`: the last 200 s of response, model and residual (thesis 6.11 to 6.13)."""
     from matplotlib.figure import Figure  # noqa: PLC0415  # heavy, and only for who draws
 
     shown: Array = found.time >= found.time[-1] - SHOWN
@@ -394,4 +291,5 @@ def identification_figure(found: Identification) -> Figure:
     below.plot(found.time[shown], (found.measured - found.model)[shown], color="0.3")
     below.set_ylabel("residual [m]")
     below.set_xlabel("time [s]")
-    return figure
+    path.parent.mkdir(parents=True, exist_ok=True)
+    figure.savefig(path)

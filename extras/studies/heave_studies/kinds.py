@@ -1,4 +1,4 @@
-"""Kinds of studies by what their file holds: cases of a scenario, phases of a lift, steps of an acceptance test."""
+"""Kinds of studies by what their file holds: cases of a scenario, steps of an acceptance test, draws."""
 
 from __future__ import annotations
 
@@ -20,17 +20,14 @@ from heave_node.parameters import ParameterError
 
 from heave_studies.accept.procedure import read_head
 from heave_studies.accept.study import WHOLE, Acceptance, Parts
-from heave_studies.answers import acceptance, lift, promise
+from heave_studies.answers import acceptance, promise
 from heave_studies.answers.answer import ANSWERS, Found, answer_of, as_path, asked_of, lift_of, own_keys
-from heave_studies.lift.plan import read_plan
-from heave_studies.lift.study import Lift
 from heave_studies.promise.study import read_promise
 from heave_studies.study.cases import Cases
 from heave_studies.study.engine import Kind
 from heave_studies.study.study_file import FOLDER, asked_values, find_study, read_study, study_of, with_options
 
 OF_FILES: Mapping[str, tuple[str, ModuleType]] = {
-    "phases": ("a lift by phases, compared with a forecast or with its bag", lift),
     "steps": ("an acceptance test of simulated or real parts, or on a record", acceptance),
     "promise": ("whether the load is never worse than with the winch locked, over random draws", promise),
 }
@@ -50,7 +47,6 @@ class Options:
     seeds: int | None = None  # number of them, in the place of the file's
     draws: int | None = None  # only the first of them
     duration: float | None = None  # of a case, in the place of the file's [s]
-    has_baseline: bool = False  # each case under the baseline law as well
     folder: Path | None = None  # of what the study leaves; None: one by its name
     is_full: bool = False  # every case runs in the full loop
 
@@ -86,8 +82,6 @@ def open_study(options: Options) -> Opened:
         return _cases(options, None)
     path = find_study(name)
     keys = _keys_of(path)
-    if "phases" in keys:
-        return _lift(options, path)
     if "promise" in keys:
         return _promise(options, path)
     return _acceptance(options, path) if "steps" in keys else _cases(options, path)
@@ -118,7 +112,6 @@ def _cases(options: Options, path: Path | None) -> Opened:
     study = replace(
         study,
         scenario=options.scenario or study.scenario,
-        has_baseline=study.has_baseline or options.has_baseline,
         has_screening=study.has_screening and not options.is_full,
     )
     asked = asked_of(study)
@@ -127,16 +120,8 @@ def _cases(options: Options, path: Path | None) -> Opened:
     return Opened(Cases(asked.study), asked.of, folder, lead=lead, lift=lift_of(study))
 
 
-def _lift(options: Options, path: Path) -> Opened:
-    options.refuse("scenario", "settings", "vary", "require", "seeds", "draws", "duration", "has_baseline")
-    plan = read_plan(path)
-    ask = own_keys(lift.KEYS, {**plan.ask, **asked_values(options.ask)}, str(path))
-    known = lift.prepare(plan, ask)
-    return Opened(Lift(plan), partial(lift.answer, known), options.folder or options.own_folder)
-
-
 def _promise(options: Options, path: Path) -> Opened:
-    options.refuse("scenario", "settings", "vary", "require", "seeds", "duration", "has_baseline")
+    options.refuse("scenario", "settings", "vary", "require", "seeds", "duration")
     ask = own_keys(promise.KEYS, asked_values(options.ask), str(path))
     kind = read_promise(path, ask, options.draws)
     own = options.own_folder
@@ -145,7 +130,7 @@ def _promise(options: Options, path: Path) -> Opened:
 
 
 def _acceptance(options: Options, path: Path) -> Opened:
-    options.refuse("vary", "require", "seeds", "draws", "duration", "has_baseline")
+    options.refuse("vary", "require", "seeds", "draws", "duration")
     for text in options.settings:
         parse_setting(text)
     ask = own_keys(acceptance.KEYS, asked_values(options.ask), str(path))

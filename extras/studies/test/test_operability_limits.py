@@ -13,7 +13,7 @@ import pytest
 from heave_bags.analyse import kpi_set
 from heave_bringup.cli import main
 from heave_node.criteria import Criterion
-from heave_studies.answers.answer import criteria_of, criteria_rows
+from heave_studies.answers.answer import criteria_of
 from heave_studies.operability.figures import limit_figure
 from heave_studies.operability.limits import (
     FAILED_LIMIT,
@@ -108,11 +108,10 @@ def test_a_stated_rope_adds_the_factor_by_which_its_cases_are_judged(own, requir
     study = replace(
         study_of("b2_calm_300"), wanted=wanted, common={"system.cable.breaking_force": 2e5}, path=Path("my.yaml")
     )
-    bounds = {one.kpi: one.bound for one in criteria_of(study)}
+    bounds = {one.kpi: one.bound for one in criteria_of(study)[""]}
     assert bounds["rope_safety_factor"] == required
-    assert "rope_safety_factor" not in {one.kpi for one in criteria_of(replace(study, common=NO_ROPE, wanted=WANTED))}
-    rows = {row[0]: row[1:] for row in criteria_rows(study, criteria_of(study))}
-    assert any("strength" in who or "study" in who for _, who in rows.values())
+    without = criteria_of(replace(study, common=NO_ROPE, wanted=WANTED))[""]
+    assert "rope_safety_factor" not in {one.kpi for one in without}
 
 
 def test_no_case_that_failed_lies_within_a_limit():
@@ -147,7 +146,7 @@ def test_a_limit_outside_the_heights_that_were_run_is_reported_as_below_or_above
     assert limit_words(mixed) == "below 1.6"
     assert interval(mixed) == "-"
     frame = cases(periods=(8.0, 9.0))
-    (found,) = study_situations(frame, [RESIDUAL], None)
+    (found,) = study_situations(frame, {"": [RESIDUAL]}, None)
     drawn = {trace["name"]: trace for trace in limit_figure(found, None).traces}
     assert drawn["compensated"]["marker"]["symbol"] == ["circle", "circle"]
     assert drawn["winch locked"]["marker"]["symbol"] == ["triangle-down-open"] * 2
@@ -257,7 +256,8 @@ def test_the_study_answers_and_answers_another_record_without_running_again(tmp_
     ("arguments", "words"),
     [
         (["--vary", f"{HEIGHT}=2"], f"{HEIGHT}: needs at least two values above 0 that rise"),
-        (["--ask", "alpha=none.csv"], "ask: alpha needs record"),
+        (["--ask", "alpha=none.csv"], "ask: alpha = none.csv: must be a number"),
+        (["--ask", "alpha=2"], "ask: alpha = 2: must be above 0, and at most 1"),
         (["--ask", "windows=0"], "ask: windows = 0: must be numbers above 0"),
         (["--ask", "record=none.csv"], "none.csv: no such file"),
         (["--ask", "within=0"], "ask: within = 0: must be a width above 0"),

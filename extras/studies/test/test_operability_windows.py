@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import gzip
-from pathlib import Path
 
 import numpy as np
 import pandas
@@ -12,10 +11,7 @@ from heave_node.parameters import ParameterError
 from heave_studies.operability.seas import (
     beyond_the_grid,
     monthly_share,
-    persistence,
-    read_alpha,
     read_record,
-    spells,
     waiting_by_month,
     waiting_times,
     window_starts,
@@ -73,16 +69,6 @@ def test_a_window_that_starts_is_workable_throughout_and_none_is_missed(flags, s
     starts = window_starts(array, steps)
     for at in range(array.size):
         assert starts[at] == (at + steps <= array.size and all(flags[at : at + steps]))
-
-
-@settings(max_examples=40, deadline=None)
-@given(st.lists(st.booleans(), min_size=1, max_size=60))
-def test_spells_of_both_kinds_fill_the_record(flags):
-    array = np.array(flags)
-    assert spells(array, 1.0).sum() == array.sum()
-    assert spells(array, 0.5).sum() + spells(~array, 0.5).sum() == 0.5 * array.size
-    table = persistence(array, 1.0)
-    assert abs(table.loc["workable", "spells"] - table.loc["waiting", "spells"]) <= 1
 
 
 def test_a_month_counts_measured_seas_only():
@@ -150,16 +136,12 @@ def test_the_share_of_workable_seas_is_counted_on_the_curve(tmp_path):
     assert beyond_the_grid(record, CURVE) == pytest.approx(0.6)
 
 
-def test_alpha_factors_lower_the_limit_of_a_long_window(tmp_path):
+def test_a_share_of_the_limit_may_be_all_that_counts(tmp_path):
     seas = tmp_path / "seas.csv"
     seas.write_text("time,hs,tp\n" + "".join(f"2001-01-01T{h:02d}:00,{0.2 * h},8\n" for h in range(24)))
-    table = tmp_path / "alpha.csv"
-    table.write_text("hours,1,2,4\n12,0.6,0.8,0.9\n24,0.5,0.7,0.9\n")
-    record, alpha = read_record(seas), read_alpha(table)
+    record = read_record(seas)
     assert workable(record, CURVE).sum() == 11  # hs up to 2.0
-    assert workable(record, CURVE, alpha=alpha, hours=12.0).sum() == 9  # up to 1.6
-    assert workable(record, CURVE, alpha=alpha, hours=18.0).sum() == 8  # up to 1.5
-    np.testing.assert_allclose(alpha.factor(48.0, np.array([0.5, 3.0])), [0.5, 0.8])
+    assert workable(record, CURVE, alpha=0.8).sum() == 9  # up to 1.6
 
 
 @pytest.mark.parametrize(
@@ -182,19 +164,3 @@ def test_what_is_no_record_is_refused_in_one_line(tmp_path, name, text, words):
         read_record(path)
     assert words in str(error.value)
     assert "\n" not in str(error.value)
-
-
-@pytest.mark.parametrize(
-    ("text", "words"),
-    [
-        ("hours,1,2\n12,0.5\n", "at most 1"),
-        ("hours,2,1\n12,0.5,0.5\n", "must rise"),
-        ("hours,1,2\n12,0.5,1.5\n", "at most 1"),
-        ("hours,a,b\n12,0.5,0.5\n", "is not a table of hours by wave heights"),
-    ],
-)
-def test_what_is_no_table_of_alpha_factors_is_refused(tmp_path: Path, text, words):
-    path = tmp_path / "alpha.csv"
-    path.write_text(text)
-    with pytest.raises(ParameterError, match=words):
-        read_alpha(path)

@@ -1,9 +1,8 @@
-"""One case of a study: why it failed or was lost, what is no success, and the baseline beside it."""
+"""One case of a study: why it failed or was lost, what is no success."""
 
 from __future__ import annotations
 
 import json
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -11,13 +10,10 @@ import pytest
 from heave_bringup.closed_loop import COLUMNS, LoopRecord
 from heave_bringup.scenarios import load_scenario
 from heave_node.interface.alarm import AlarmRow, Severity
-from heave_studies.study import cases, runs
-from heave_studies.study.cases import Cases
-from heave_studies.study.engine import run_study
+from heave_studies.study import runs
 from heave_studies.study.plan import Case
-from heave_studies.study.runs import CaseResult, Task, lost_because, make_tasks, result_of, run_task
+from heave_studies.study.runs import Task, lost_because, make_tasks, result_of, run_task
 from heave_studies.study.study_file import read_study
-from heave_studies.study.summary import case_table, left_out
 
 TEXT = """
 scenario: b2_calm_300
@@ -95,79 +91,6 @@ def test_why_a_case_was_lost_is_when_compensation_ended_and_the_alarm_before():
     assert lost_because(late, scenario, kpis).startswith("compensation began only at 4.00 s")
     locked = load_scenario("b2_calm_300", settings=["winch_controller.law=off"])
     assert lost_because(never, locked, kpis) == ""
-
-
-def test_the_baseline_beside_a_case_is_the_efficiency_of_law_industrial_in_the_same_sea(tmp_path):
-    path = tmp_path / "laws.yaml"
-    path.write_text(TEXT.replace("[off, mpc]", "[lqg, industrial]"))
-    study = read_study(path)
-    own, industrial = (
-        next(case for case in study.cases() if case.settings["winch_controller.law"] == law)
-        for law in ("lqg", "industrial")
-    )
-    (task,), (other,) = make_tasks(replace(study, has_baseline=True), [own]), make_tasks(study, [industrial])
-    found, expected = run_task(task).kpis, run_task(other).kpis
-    assert found["baseline_efficiency"] == expected["unit_efficiency"]
-    assert np.isnan(expected["baseline_efficiency"])
-
-
-def test_a_study_of_laws_that_has_the_baseline_among_them_shows_it_beside_each(tmp_path, monkeypatch):
-    def efficient(task: Task) -> CaseResult:
-        """Stand for a run: case k has an efficiency of k/10, and knows of no baseline."""
-        return CaseResult(task.case, {"unit_efficiency": 0.1 * task.case.number})
-
-    monkeypatch.setattr(cases, "run_task", efficient)
-    path = tmp_path / "laws.yaml"
-    path.write_text(TEXT.replace("[off, mpc]", "[mpc, industrial]"))
-    frame = run_study(Cases(read_study(path)), processes=1)[0]
-    place = {
-        (row["winch_controller.law"], row["system.sea.peak_period"], row["seed"]): k for k, row in frame.iterrows()
-    }
-    for (_, period, seed), k in place.items():
-        of_industrial = frame["unit_efficiency"][place["industrial", period, seed]]
-        assert frame["baseline_efficiency"][k] == of_industrial
-    assert any(heading.startswith("baseline") for heading in case_table(frame).columns)
-    assert left_out(frame) == []
-
-
-def test_a_study_without_the_baseline_says_that_it_is_left_out(study, monkeypatch):
-    monkeypatch.setattr(cases, "run_task", lambda task: CaseResult(task.case, {"unit_efficiency": 0.9}))
-    (line,) = left_out(run_study(Cases(study), processes=1)[0])
-    assert "law industrial" in line
-    assert "--baseline" in line
-
-
-def test_a_case_whose_sea_is_among_the_cases_under_the_baseline_law_is_not_run_again(tmp_path):
-    path = tmp_path / "laws.yaml"
-    path.write_text(TEXT.replace("[off, mpc]", "[mpc, industrial]"))
-    study = read_study(path)
-    tasks = make_tasks(replace(study, has_baseline=True), list(study.cases()))
-    assert {task.case.settings["winch_controller.law"] for task in tasks if task.has_baseline} == {"industrial"}
-
-
-def test_a_winch_that_the_baseline_law_cannot_drive_is_one_note_for_the_study(tmp_path):
-    path = tmp_path / "first_order.yaml"
-    path.write_text("scenario: b1_thesis\nduration: 3\nseeds: 2\nset: {all.transient: 1.0, cable_sim.segments: 2}\n")
-    study = replace(read_study(path), has_baseline=True)
-    frame, _ = run_study(Cases(study), tmp_path / "b1", processes=1)
-    assert set(frame["failure"]) == {""}
-    assert frame["baseline_efficiency"].isna().all()
-    note = "the baseline is unknown: law industrial commands a rate: set winch.law to speed_servo"
-    assert left_out(frame) == [note]
-    frame.loc[1, ["baseline_unknown", "baseline_efficiency"]] = "", 0.5
-    assert left_out(frame) == [note.replace("is unknown", "of 1 of 2 cases is unknown; case 1")]
-
-
-def test_a_baseline_that_cannot_be_computed_costs_nothing_but_itself(study, monkeypatch):
-    def fails(scenario: object) -> None:
-        raise RuntimeError("no equilibrium:\n 3 m of cable")
-
-    monkeypatch.setattr("heave_studies.baseline.baseline_signals", fails)
-    (task, *_) = make_tasks(replace(study, has_baseline=True), list(study.cases()))
-    result = run_task(task)
-    assert result.failure == ""
-    assert np.isfinite(result.kpis["unit_efficiency"])
-    assert result.baseline_unknown == "no equilibrium: 3 m of cable"
 
 
 def test_a_result_is_the_same_when_it_was_written_down(study):

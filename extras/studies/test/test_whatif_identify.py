@@ -94,21 +94,6 @@ def test_cable_unit_and_mru_are_found_with_their_spread(nominal, monkeypatch):
     assert fit.chi2 == pytest.approx(1.0, abs=3.0 * math.sqrt(2.0 / 130.0))
 
 
-def test_what_drum_and_unit_share_of_the_boom_tip_adds_up_unless_a_unit_or_a_sign_is_wrong(nominal, monkeypatch):
-    heave, rate = sea(0.3)
-    given, _ = evidence(nominal, monkeypatch, heave, rate)
-    drum, unit = given.shares
-    # stiffness and inertia are 5 and 10 % other than assumed, below a resonance that amplifies
-    assert (drum, unit) == (0.0, pytest.approx(1.0, abs=0.3))
-    for times in (-1.0, 0.1, 10.0):
-        # the MRU in another unit; and a drum that takes the boom tip out, in that same other unit
-        tip = Tip(times * heave, times * rate, 0.0)
-        other = replace(given, source=replace(given.source, plain=tip), winch=given.winch)
-        assert other.shares == (0.0, pytest.approx(unit / times, rel=0.1))
-        followed = replace(given, winch=PastWinch(WinchParameters(), times * heave, times * rate, heave, rate, 0.0))
-        assert followed.shares[0] == pytest.approx(times, rel=0.03)
-
-
 def test_what_the_tip_leaves_open_does_not_depend_on_where_a_narrow_resonance_lies_among_the_bins(nominal, monkeypatch):
     given, _ = evidence(nominal, monkeypatch, *sea(0.005))
     values = dict.fromkeys(USUAL, 1.0) | {DELAY: 0.0}

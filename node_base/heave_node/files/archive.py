@@ -1,13 +1,11 @@
-"""A file, or a folder of files, as a ZIP archive in memory; an archive that somebody else made is held to its word."""
+"""A ZIP archive that somebody else made is held to its word."""
 
 from __future__ import annotations
 
-import hashlib
-import io
 import zipfile
 import zlib
-from collections.abc import Iterator, Mapping
-from pathlib import Path, PurePath, PurePosixPath
+from collections.abc import Iterator
+from pathlib import Path, PurePosixPath
 from typing import BinaryIO
 
 MOST_MEMBERS = 1000
@@ -15,38 +13,6 @@ MOST_MEMBERS = 1000
 
 LONGEST_NAME = 255
 """Bytes of a name: what file systems take."""
-
-_EPOCH = (1980, 1, 1, 0, 0, 0)
-"""Time of every packed file: equal contents give equal bytes."""
-
-
-def pack(contents: Mapping[PurePath, bytes]) -> bytes:
-    """Return `contents`, by path, as an archive; equal contents give equal bytes."""
-    buffer = io.BytesIO()
-    with zipfile.ZipFile(buffer, "w") as archive:
-        for path, content in contents.items():
-            archive.writestr(zipfile.ZipInfo(path.as_posix(), _EPOCH), content, zipfile.ZIP_DEFLATED)
-    return buffer.getvalue()
-
-
-def unpack(packed: bytes, name: str, size: int) -> dict[PurePosixPath, bytes]:
-    """Return the contents of an archive, by path.
-
-    Parameters
-    ----------
-    packed : the archive
-    name : of the one file or folder in it
-    size : of its contents together [bytes]; no more is ever unpacked
-
-    Raises ValueError, in words, where the archive holds anything else, or anything twice.
-    """
-    contents = dict(files_in(io.BytesIO(packed), size))
-    if sum(map(len, contents.values())) != size:
-        raise ValueError(f"it does not hold the {size} bytes that it should")
-    for path in contents:
-        if path.parts[0] != name:
-            raise ValueError(f"it holds {str(path)[:80]!r}, which is no part of {name}")
-    return contents
 
 
 def files_in(file: Path | BinaryIO, room: int) -> Iterator[tuple[PurePosixPath, bytes]]:
@@ -87,19 +53,3 @@ def is_plain_name(name: object) -> bool:
     if not isinstance(name, str) or name in ("", ".", ".."):
         return False
     return name.isprintable() and not set(name) & set("/\\:") and len(name.encode(errors="replace")) <= LONGEST_NAME
-
-
-def digest_in(contents: Mapping[PurePosixPath, bytes], name: str) -> str:
-    """Return the SHA-256 of a file in `contents`; of a folder that of the lines that `sha256sum` has of its files.
-
-    Parameters
-    ----------
-    contents : by path
-    name : of the file or folder
-    """
-    digests = {path: hashlib.sha256(content).hexdigest() for path, content in sorted(contents.items())}
-    own = PurePosixPath(name)
-    if own in digests:
-        return digests[own]
-    lines = "".join(f"{digest}  {path.relative_to(own).as_posix()}\n" for path, digest in digests.items())
-    return hashlib.sha256(lines.encode()).hexdigest()

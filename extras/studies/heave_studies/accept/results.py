@@ -94,17 +94,6 @@ def facts_of(procedure: Procedure, scenario: str) -> dict[str, str]:
     }
 
 
-def digest_of(path: Path) -> str:
-    """Return the SHA-256 of the file at `path`; of a folder that of its files, one after the other by name."""
-    digest = hashlib.sha256()
-    for file in sorted(path.rglob("*")) if path.is_dir() else [path]:
-        if file.is_file():
-            with file.open("rb") as stream:
-                while piece := stream.read(1 << 20):
-                    digest.update(piece)
-    return digest.hexdigest()
-
-
 Span = tuple[float, float]
 """Start and end [s]."""
 

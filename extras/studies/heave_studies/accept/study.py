@@ -30,9 +30,9 @@ from heave_node.scenario import sections_text
 from heave_studies.accept import measured as figures
 from heave_studies.accept.measured import Measured, Nominal, of_winch
 from heave_studies.accept.procedure import Head, RunTest, Step, read_procedure, refuse_late
-from heave_studies.accept.results import NOT_DONE, StepResult, digest_of, facts_of
+from heave_studies.accept.results import NOT_DONE, StepResult, facts_of
 from heave_studies.accept.runs import ForeignRecord, run_loop, scenario_of
-from heave_studies.study.case_file import CASE, FILES, SCENARIO, KeptFile
+from heave_studies.study.case_file import CASE, FILES, SCENARIO, ReadFile, digest_of
 from heave_studies.study.workers import FAILURE, Job, Plain
 
 WHOLE = ""
@@ -93,7 +93,7 @@ class Acceptance:
 
     is_local = True
     is_open = False
-    files: Mapping[str, KeptFile] = MappingProxyType({})
+    files: Mapping[str, ReadFile] = MappingProxyType({})
 
     def __init__(
         self, head: Head, parts: Parts, settings: Sequence[str], scenario: str, only: Sequence[str], folder: Path

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import difflib
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from importlib import import_module
 from pathlib import Path
 from typing import Protocol, cast
@@ -21,6 +21,7 @@ from heave_bringup.run.criteria import refuse_unknown
 from heave_bringup.scenarios import Scenario, load_scenario
 from heave_node.criteria import Criterion
 from heave_node.parameters import ParameterError, flatten
+from heave_node.sheet import Column, Sheet
 
 from heave_studies.operability.limits import HEIGHT, PERIOD
 from heave_studies.study.plan import Case, Study
@@ -28,6 +29,7 @@ from heave_studies.study.plan import Case, Study
 ANSWERS = {
     "cases": "every case, a summary with confidence intervals, and which parameters matter",
     "limits": "the largest sea in which the criteria are met, and the waiting time for it",
+    "lift": "the same for each phase of a lift, compared with a forecast or with its bag",
     "sizing": "what a larger winch is worth, and what it costs",
     "extremes": "the largest motion and tension expected in a number of hours",
 }
@@ -101,6 +103,14 @@ def own_keys(known: Ask, given: Ask, where: str) -> dict[str, object]:
     return {**known, **given}
 
 
+def number_in(ask: Ask, key: str) -> float:
+    """Return the value of a `key` among what is asked, `ask`, as a number; raise ParameterError for anything else."""
+    try:
+        return float(str(ask[key]))
+    except ValueError as error:
+        raise ParameterError(f"ask: {key} = {ask[key]}: must be a number") from error
+
+
 def asked_of(study: Study) -> Asked:
     """Return the answer that a `study` asks for, with the study prepared; raise ParameterError for what is none."""
     given = dict(study.ask)
@@ -128,20 +138,34 @@ def first_scenario(study: Study) -> Scenario:
     return _loaded(study, next(iter(study.cases())))
 
 
-def criteria_of(study: Study, without: Sequence[str] = ()) -> list[Criterion]:
+Criteria = Mapping[str, Sequence[Criterion]]
+"""Criteria by phase of a lift, or by scenario; "": of all cases."""
+
+
+def criteria_of(study: Study, without: Sequence[str] = ()) -> Criteria:
     """Return the criteria of a `study`, its scenario's own but for those on figures `without` which it does not name.
 
-    The safety factors of parts whose strength is stated are among them.
+    In a phase of a lift those of study and phase hold alone. The safety factors of parts whose strength is stated are
+    among them.
 
     Raises ParameterError where there are none.
     """
-    scenario = first_scenario(study)
-    for one in scenario.wanted:
-        refuse_unknown(one, f"{study.path}: wanted")
-    found = [one for one in scenario.wanted if one.kpi not in without or one.kpi in study.wanted]
-    if not found:
-        raise ParameterError("no criteria: give the study some (wanted), or --require, as in 'unit_sigma_m<0.05'")
-    return with_strengths(found, scenario)
+    firsts = {"" if one is None else one.name: case for case in study.cases() for one in [study.phase_of(case)]}
+    found = {}
+    for name, case in firsts.items():
+        scenario, phase = _loaded(study, case), study.phase_of(case)
+        for one in scenario.wanted:
+            refuse_unknown(one, f"{study.path}: wanted")
+        stated = {*study.wanted, *(phase.wanted if phase else ())}
+        own = [one for one in scenario.wanted if one.kpi in stated or not (phase or one.kpi in without)]
+        if not own:
+            where = f"{name}: " if name else ""
+            raise ParameterError(
+                f"{study.path}: {where}no criteria: give the study some (wanted), or --require, as in "
+                "'unit_sigma_m<0.05'"
+            )
+        found[name] = with_strengths(own, scenario)
+    return found
 
 
 def with_strengths(criteria: Sequence[Criterion], scenario: Scenario) -> list[Criterion]:
@@ -154,46 +178,27 @@ def with_strengths(criteria: Sequence[Criterion], scenario: Scenario) -> list[Cr
     return [*kept, *(one for key, one in factors.items() if key not in {own.kpi for own in kept})]
 
 
-CRITERIA = ["figure of merit", "required", "stated by"]
-"""Headings of a table of criteria."""
-
-
-def criteria_rows(study: Study, criteria: Sequence[Criterion]) -> list[list[str]]:
-    """Return a row for each of the `criteria` of a `study`: its figure, what it requires, and who states it."""
-    name = Path(study.scenario).stem
-    own = {one.kpi: one for one in first_scenario(replace(study, wanted={})).wanted}
-    return [
-        [DEFINITION_OF[one.kpi].title, required_words(one), _stated_by(one, one.kpi in study.wanted, own, name)]
-        for one in criteria
-    ]
-
-
-def _stated_by(criterion: Criterion, is_of_study: bool, own: Mapping[str, Criterion], scenario: str) -> str:
-    known = own.get(criterion.kpi)
-    if known == criterion:
-        return scenario
-    if is_of_study:
-        return "study" if known is None else f"study, instead of {required_words(known)} ({scenario})"
-    return "strength of the part"
-
-
-def criteria_parts(study: Study, criteria: Sequence[Criterion]) -> tuple[Part, str]:
-    """Return the `criteria` of a `study` as a table for people, and as HTML under a heading."""
-    rows = criteria_rows(study, criteria) or [["none", "-", "-"]]
-    return make_table(CRITERIA, rows, texts=CRITERIA), f"<h2>Criteria</h2>{table(CRITERIA, rows, texts=3)}"
-
-
-def criteria_of_cases(study: Study) -> str:
-    """Return the criteria that the cases of a `study` are judged by as HTML: those of each scenario that they have."""
-    firsts = {study.scenario_of(case): case for case in study.cases()}
+def criteria_of_cases(study: Study) -> Criteria:
+    """Return the criteria that the cases of a `study` are judged by, of each scenario that they have."""
+    firsts = {Path(study.scenario_of(case)).stem: case for case in study.cases()}
     loaded = {name: _loaded(study, case) for name, case in firsts.items()}
-    found = {name: with_strengths(one.wanted, one) for name, one in loaded.items()}
-    if len({repr(one) for one in found.values()}) == 1:
-        return criteria_parts(replace(study, scenario=next(iter(found))), next(iter(found.values())))[1]
-    rows = [
-        [Path(name).stem, DEFINITION_OF[one.kpi].title, required_words(one)] for name in found for one in found[name]
-    ]
-    return f"<h2>Criteria</h2>{table(['scenario', 'figure of merit', 'required'], rows, texts=3)}"
+    return {name: with_strengths(one.wanted, one) for name, one in loaded.items()}
+
+
+CRITERIA = Sheet(
+    Column("figure of merit", lambda one: DEFINITION_OF[one.kpi].title), Column("required", required_words)
+)
+
+
+def criteria_parts(criteria: Criteria) -> tuple[Part, str]:
+    """Return `criteria` as a table for people, and as HTML under a heading; those that all have in common once."""
+    groups = list(criteria.items())[:1] if len(set(map(repr, criteria.values()))) == 1 else list(criteria.items())
+    head, rows = CRITERIA.headings, [cells for _, of in groups for cells in CRITERIA.cells(of)]
+    if len(groups) > 1:
+        head = ["of", *head]
+        rows = [[name, *cells] for name, of in groups for cells in CRITERIA.cells(of)]
+    rows = rows or [["none", *"-" * (len(head) - 1)]]
+    return make_table(head, rows, texts=head), f"<h2>Criteria</h2>{table(head, rows, texts=len(head))}"
 
 
 def lift_of(study: Study) -> dict[str, str]:

@@ -14,7 +14,7 @@ from heave_bags.report.parts import table
 from heave_bringup.output import Part, make_table
 from heave_node.parameters import ParameterError
 
-from heave_studies.answers.answer import Ask, Found, criteria_of_cases
+from heave_studies.answers.answer import Ask, Found, criteria_of_cases, criteria_parts
 from heave_studies.study.case_file import CASE
 from heave_studies.study.plan import Study
 from heave_studies.study.sampling import SALTELLI
@@ -23,7 +23,6 @@ from heave_studies.study.summary import (
     case_table,
     influence_rows,
     influences,
-    left_out,
     remarks,
     sobol_indices,
     summary_rows,
@@ -56,7 +55,11 @@ def answer(study: Study, frame: pandas.DataFrame, ask: Ask, /) -> Found:
     judged = int(good[figure].notna().sum()) if study.search else len(good)
     parts: list[Part] = [case_table(frame), *(["\n".join(lines)] if (lines := remarks(frame)) else [])]
     head, rows = summary_rows(frame)
-    body = [criteria_of_cases(study), "<h2>Summary</h2>", table(head, rows, texts=1, last_is_text=True)]
+    body = [
+        criteria_parts(criteria_of_cases(study))[1],
+        "<h2>Summary</h2>",
+        table(head, rows, texts=1, last_is_text=True),
+    ]
     data = to_json(frame)
     if study.draws is not None and not study.search and len(good) >= FEWEST_CASES and figure in DEFINITION_OF:
         what = influences(frame, figure)
@@ -72,7 +75,7 @@ def answer(study: Study, frame: pandas.DataFrame, ask: Ask, /) -> Found:
             body.append(table(head, cells, texts=1))
             data["sobol"] = found
     worst, failures, number = _worst(study, good, figure if study.search else MOTION)
-    parts += [summary_table(frame), *left_out(frame), *worst]
+    parts += [summary_table(frame), *worst]
     if study.refinement is not None:
         words = study.refinement.words(frame)
         parts.append(words)

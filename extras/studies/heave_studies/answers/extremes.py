@@ -13,23 +13,24 @@ import html
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import partial
 from types import MappingProxyType
-from typing import Any
 
 import numpy as np
 import pandas
 from heave_bags.report.parts import notice, table
 from heave_bringup.output import Part, sheet_table
-from heave_node.extras import how_to_install
 from heave_node.numerics.arrays import Array
 from heave_node.parameters import ParameterError
 from heave_node.sheet import Column, Sheet
 
-from heave_studies.answers.answer import Ask, Found, first_scenario
+from heave_studies.answers.answer import Ask, Found, first_scenario, number_in
 from heave_studies.study.plan import Study
 from heave_studies.study.table import SEED, settings_of
-from heave_studies.study.workers import FAILURE
+from heave_studies.study.workers import FAILURE, optional
 
+PYEXTREMES = partial(optional, "pyextremes", "extremes", "extremes")
+"""Gives the package of the fit; raises ParameterError where it is missing."""
 KEYS: Mapping[str, object] = MappingProxyType({"hours": 3.0})
 """Time in the same sea [h]; three are a stationary sea state, as design codes take it."""
 FEWEST_SEEDS, MANY_SEEDS = 5, 20
@@ -76,19 +77,10 @@ SHEET = Sheet(
 )
 
 
-def load_pyextremes() -> Any:
-    """Return the package `pyextremes`; raise ParameterError where it is missing."""
-    try:
-        import pyextremes  # noqa: PLC0415 - an extra, and slow
-    except ImportError as error:
-        raise ParameterError(f"extremes need the package pyextremes; {how_to_install('extremes')}") from error
-    return pyextremes
-
-
 def prepare(study: Study, ask: Ask, /) -> Study:
     """See `heave_studies.answers.answer.Answer`."""
-    load_pyextremes()
-    hours = float(str(ask["hours"]))
+    PYEXTREMES()
+    hours = number_in(ask, "hours")
     if not 0.0 < hours < math.inf:
         raise ParameterError(f"ask: hours = {hours:g}: must be a number above 0")
     if len(study.seeds) < FEWEST_SEEDS:
@@ -101,7 +93,7 @@ def prepare(study: Study, ask: Ask, /) -> Study:
 
 def answer(study: Study, frame: pandas.DataFrame, ask: Ask, /) -> Found:
     """See `heave_studies.answers.answer.Answer`."""
-    hours, run = float(str(ask["hours"])), first_scenario(study).run
+    hours, run = number_in(ask, "hours"), first_scenario(study).run
     block = (run.duration - run.transient) / 3600.0
     good, settings = frame[frame[FAILURE] == ""], settings_of(frame)
     groups = [("all seeds", good)]
@@ -171,7 +163,7 @@ def largest_squares(squares: Array, blocks: float) -> tuple[tuple[float, ...], t
     blocks : that the time holds
     """
     series = pandas.Series(squares, index=pandas.date_range("2000-01-01", periods=squares.size, freq="D"))
-    module = load_pyextremes()
+    module = PYEXTREMES()
     fit = module.EVA.from_extremes(extremes=series, method="BM", extremes_type="high", block_size="1D")
     fit.fit_model(model="MLE", distribution="gumbel_r")
     periods = (1.0 / -math.expm1(-1.0 / blocks), 1.0 / (1.0 - 0.9 ** (1.0 / blocks)))

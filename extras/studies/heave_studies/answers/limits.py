@@ -16,8 +16,9 @@ from heave_bags.report.report import place_figure
 from heave_bringup.output import Part, make_table
 from heave_bringup.run.criteria import BASELINE_LAW, LAW
 from heave_node.parameters import ParameterError
+from heave_node.sheet import Column, Sheet
 
-from heave_studies.answers.answer import Ask, Found, as_path, check_seas, criteria_of, criteria_parts
+from heave_studies.answers.answer import Ask, Found, as_path, check_seas, criteria_of, criteria_parts, number_in
 from heave_studies.operability.figures import limit_figure, month_figure
 from heave_studies.operability.limits import (
     HEIGHT,
@@ -34,7 +35,6 @@ from heave_studies.operability.seas import (
     SeaRecord,
     Situation,
     exposure_json,
-    read_alpha,
     read_record,
     study_situations,
 )
@@ -43,10 +43,10 @@ from heave_studies.study.plan import Study, unlinked
 from heave_studies.study.workers import FAILURE
 
 KEYS: Mapping[str, object] = MappingProxyType(
-    {"within": None, "record": None, "windows": [6.0, 12.0, 24.0], "alpha": None}
+    {"within": None, "record": None, "windows": [6.0, 12.0, 24.0], "alpha": 1.0}
 )
 """Width within which bisection is to enclose each limit [m] (none: the grid alone), seas of the site (a file), lengths
-of weather windows [h], alpha factors (a file)."""
+of weather windows [h], share of a limit up to which a forecast may go."""
 
 ENDED = "compensated: ended by"
 """Heading of what ends the limit with compensation."""
@@ -56,20 +56,28 @@ bound. Workable seas below the smallest height are counted with a figure that is
 times count from every moment of the record to the next start of a window."""
 
 
+MONTHS = Sheet(
+    Column("window [h]", "window_h", form="g"),
+    Column("month", "month"),
+    *(Column(heading, name, form=number) for heading, name in (("mean [h]", "mean"), ("P10 [h]", "p10"))),
+    *(Column(heading, name, form=number) for heading, name in (("P50 [h]", "p50"), ("P90 [h]", "p90"))),
+    Column("window at once [%]", "at_once", form=".1f", scale=100.0),
+)
+"""Waiting times by length of the window and month."""
+
+
 def prepare(study: Study, ask: Ask, /) -> Study:
     """See `heave_studies.answers.answer.Answer`."""
     check_seas(study)
     _place(ask)
     if ask["within"] is None:
         return study
-    within = float(str(ask["within"]))
+    within = number_in(ask, "within")
     if not within > 0.0:
         raise ParameterError(f"ask: within = {within:g}: must be a width above 0 [m]")
-    if study.refinement is not None:
-        raise ParameterError(f"{study.path}: until: a study whose limits are bisected has the seeds that it states")
     if any(HEIGHT in link and len(unlinked(dict.fromkeys(link))) > 1 for link in study.vary):
         raise ParameterError(f"{study.path}: vary: {HEIGHT} must stand alone where its limit is bisected")
-    return replace(study, refinement=Bisection(tuple(criteria_of(study)), within))
+    return replace(study, refinement=Bisection(criteria_of(study), within))
 
 
 def _place(ask: Ask) -> Place | None:
@@ -77,19 +85,23 @@ def _place(ask: Ask) -> Place | None:
     windows = tuple(float(str(one)) for one in (hours if isinstance(hours, list) else [hours]))
     if not windows or min(windows) <= 0.0:
         raise ParameterError(f"ask: windows = {hours}: must be numbers above 0 [h]")
-    record, alpha = as_path(ask["record"]), as_path(ask["alpha"])
-    if record is None:
-        if alpha is not None:
-            raise ParameterError("ask: alpha needs record: the seas in which windows are looked for")
-        return None
-    return Place(read_record(record), windows, None if alpha is None else read_alpha(alpha))
+    record, alpha = as_path(ask["record"]), alpha_of(ask)
+    return None if record is None else Place(read_record(record), windows, alpha)
+
+
+def alpha_of(ask: Ask) -> float:
+    """Return the share of a limit up to which a forecast may go, as `ask` has it; raise ParameterError for none."""
+    alpha = number_in(ask, "alpha")
+    if not 0.0 < alpha <= 1.0:
+        raise ParameterError(f"ask: alpha = {alpha:g}: must be above 0, and at most 1")
+    return alpha
 
 
 def answer(study: Study, frame: pandas.DataFrame, ask: Ask, /) -> Found:
     """See `heave_studies.answers.answer.Answer`."""
     place = _place(ask)
     criteria = criteria_of(study)
-    listed, criteria_html = criteria_parts(study, criteria)
+    listed, criteria_html = criteria_parts(criteria)
     found = study_situations(frame, criteria, place)
     few = too_few_seeds([one.limit for one in found])
     drawn: list[Figure] = []
@@ -102,7 +114,7 @@ def answer(study: Study, frame: pandas.DataFrame, ask: Ask, /) -> Found:
     if LAW not in frame:
         remarks.append(f"To add the limits under law {BASELINE_LAW}: --vary {LAW}=mpc,{BASELINE_LAW}")
     data = {
-        "criteria": {criterion.kpi: criterion.text for criterion in criteria},
+        "criteria": {name: {one.kpi: one.text for one in of} for name, of in criteria.items()},
         "situations": [
             {
                 "name": one.name,
@@ -200,8 +212,11 @@ def _overview(found: Sequence[Situation], place: Place | None) -> str:
                 rows.append([situation.name or "all", name, *shares, *waits(exposure, place)])
     head = ["situation", "winch", "workable seas [%]", "at the lower confidence [%]"]
     head += [f"wait for {hours:g} h, P50 / P90 [h]" for hours in place.windows if place.record.has_order]
-    trust = "with the alpha factors given" if place.alpha is not None else "with a forecast that is trusted"
-    windows = f"windows {trust}" if place.record.has_order else html.escape(no_windows(place.record))
+    windows = (
+        f"windows in seas up to {100 * place.alpha:g} % of a limit"
+        if place.record.has_order
+        else html.escape(no_windows(place.record))
+    )
     caption = f"Seas of {html.escape(place.record.name)}; {windows}."
     return f'<h2>Answer</h2><p class="caption">{caption}</p>{table(head, rows, texts=2)}'
 
@@ -212,26 +227,13 @@ def _section(situation: Situation, place: Place | None, drawn: list[Figure]) -> 
         f"<h2>{html.escape(situation.name or 'Limits')}</h2>",
         table(*limit_rows(situation), texts=2),
         *(place_figure(figure, drawn) for figure in figures if figure is not None),
-        _spells(situation.exposure),
+        _months(situation.exposure),
     ]
 
 
-def _spells(exposure: Exposure | None) -> str:
-    if exposure is None or exposure.spells.empty:
+def _months(exposure: Exposure | None) -> str:
+    """Return the waiting times of an `exposure` by month, folded up; "" without an order of the seas."""
+    if exposure is None or exposure.windows.empty:
         return ""
-    columns = ("mean", "p10", "p50", "p90")
-    head = ["spells", "number", "mean [h]", "P10 [h]", "P50 [h]", "P90 [h]", "longest [h]"]
-    rows = [[str(name), *(number(value) for value in row)] for name, row in exposure.spells.iterrows()]
-    months = [
-        [
-            f"{row['window_h']:g}",
-            str(row["month"]),
-            *(number(row[one]) for one in columns),
-            f"{100 * row['at_once']:.1f}",
-        ]
-        for row in exposure.windows.to_dict("records")
-    ]
-    heads = ["window [h]", "month", "mean [h]", "P10 [h]", "P50 [h]", "P90 [h]", "window at once [%]"]
-    by_month = f"<summary>Waiting times by month, compensated</summary>{table(heads, months, texts=2)}"
-    spells = table(head, rows, texts=1)
-    return f"<h3>Persistence, compensated</h3>{spells}<details>{by_month}</details>"
+    cells = table(MONTHS.headings, MONTHS.cells(exposure.windows.itertuples()), texts=2)
+    return f"<details><summary>Waiting times by month, compensated</summary>{cells}</details>"

@@ -26,6 +26,7 @@ from heave_studies.answers.answer import (
     criteria_of,
     criteria_parts,
     first_scenario,
+    number_in,
 )
 from heave_studies.operability.limits import FEWEST_SEEDS
 from heave_studies.operability.seas import SeaRecord, read_record
@@ -86,7 +87,7 @@ def _record(ask: Ask) -> SeaRecord | None:
 
 
 def _prices(ask: Ask) -> Prices:
-    prices = Prices(**{name: float(str(ask[name])) for name in asdict(Prices())})
+    prices = Prices(**{name: number_in(ask, name) for name in asdict(Prices())})
     for name, least in (("efficiency", 1e-3), ("regeneration", 0.0)):
         if not least <= getattr(prices, name) <= 1.0:
             raise ParameterError(f"ask: {name} = {getattr(prices, name):g}: must be a share, from {least:g} to 1")
@@ -99,9 +100,9 @@ def answer(study: Study, frame: pandas.DataFrame, ask: Ask, /) -> Found:
     """See `heave_studies.answers.answer.Answer`."""
     prices = _prices(ask)
     criteria = criteria_of(study, OF_THE_WINCH)
-    listed, criteria_html = criteria_parts(study, criteria)
+    listed, criteria_html = criteria_parts(criteria)
     seas = _record(ask) or even_seas(frame)
-    found = size_winches(frame, criteria, seas, prices)
+    found = size_winches(frame, criteria[""], seas, prices)
     answers = knees(found)
     drawn: list[Figure] = []
     charged = (

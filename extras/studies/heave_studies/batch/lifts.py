@@ -70,10 +70,6 @@ class LiftBatch:
     scenario : of the case, whatever its seed
 
     Raises NotCoveredError where no screening covers the case.
-
-    Attributes
-    ----------
-    static_tension : at the top, at rest [N]
     """
 
     def __init__(self, scenario: Scenario) -> None:
@@ -100,7 +96,6 @@ class LiftBatch:
         self._servo = drive.as_array(drive.settings_of(p.winch))
         self._rest = CableDynamics(p.plant)
         self._rest.start_at_equilibrium(np.array([0.0, 0.0, p.sea.boom_tip_height]), 0.0, time=dt)
-        self.static_tension = self._rest.top_tension
 
     @property
     def _start(self) -> int:
@@ -240,11 +235,3 @@ def _left(record: LoopRecord, begun: float) -> float:
     """Return the unit's motion over that with the winch locked, from the time `begun` [s] on [-]."""
     off = record.uncompensated_sigma(begun)
     return record.unit_sigma(begun) / off if off > 0.0 else math.inf
-
-
-def covering(scenario: Scenario) -> LiftBatch | str:
-    """Return the batch of a `scenario`, or why it is not covered."""
-    try:
-        return LiftBatch(scenario)
-    except NotCoveredError as error:
-        return str(error)

@@ -21,7 +21,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("source", metavar="SCENARIO|BAG", help="a shipped scenario, a parameter file, or a bag folder")
     add_settings(parser)
     parser.add_argument("--drag", choices=("linear", "quadratic"), default="linear", help="thesis Eq. 6.2 or Eq. 6.3")
-    parser.add_argument("--lengths", type=float, nargs="+", metavar="M", help="identify at each of these lengths")
     parser.add_argument("--picture", type=Path, metavar="FILE", help="default: NAME_identify.svg")
 
 
@@ -31,22 +30,18 @@ def execute(options: argparse.Namespace) -> None:
     from cable_sim_node.vertical.axial_stepper import advance
     from heave_bringup.output import check_output, write_result
     from heave_bringup.progress import ProgressLine
-    from heave_bringup.scenarios import check_lengths, load_scenario
+    from heave_bringup.scenarios import load_scenario
     from heave_node.numerics.compiled import is_compiled
     from winch_controller_node.model.lqr import DesignError
 
     from heave_studies.identification import IdentificationError, draw_identification, identify_simulated
 
     check_output("--picture", options.picture, (".png", ".svg", ".pdf"), makes_folder=True)
-    check_lengths("--lengths", options.lengths or ())
     if not Path(options.source).is_dir() and not is_compiled(advance):
         ProgressLine().tell("compiling the axial model: a few seconds, once after installation")
     try:
         if Path(options.source).is_dir():
             found = _from_bag(Path(options.source), options.drag)
-        elif options.lengths:
-            _print_lengths(options)
-            return
         else:
             scenario = load_scenario(options.source, settings=options.set)
             found = identify_simulated(
@@ -80,25 +75,3 @@ def _from_bag(path: Path, drag: str) -> Identification:
         for signal in (signals.boom_tip_heave, signals.unit_heave, signals.payout)
     )
     return identify(time, tip - tip.mean(), heave - heave.mean(), payout=payout - payout.mean(), drag=drag)
-
-
-def _print_lengths(options: argparse.Namespace) -> None:
-    from heave_bringup.output import write_result
-    from heave_bringup.scenarios import load_scenario
-
-    from heave_studies.identification import format_lengths, identify_against_length
-
-    scenario = load_scenario(options.source, settings=options.set)
-    points = identify_against_length(
-        scenario.parameters["winch_controller"], options.lengths, drag=options.drag, seed=scenario.run.seed
-    )
-    values = [
-        {
-            "length_m": point.length,
-            **point.identified.values(),
-            "linearised_a_s2": point.linearised_a,
-            "linearised_b_s": point.linearised_b,
-        }
-        for point in points
-    ]
-    write_result(options, format_lengths(points), {"lengths": values})

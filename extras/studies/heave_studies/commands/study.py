@@ -7,7 +7,7 @@ import shlex
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from heave_bringup.commands.arguments import SAME_SEA, add_settings
+from heave_bringup.commands.arguments import add_settings
 from heave_node.parameters import ParameterError
 
 if TYPE_CHECKING:
@@ -65,7 +65,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--ask", action="append", default=[], metavar="KEY=VALUE", help="an option of the study (--list); repeatable"
     )
     parser.add_argument("--forecast", metavar="FILE", help="the seas to come (time, hs, tp): when the lift can go")
-    parser.add_argument("--baseline", action="store_true", help=f"also show {SAME_SEA}; each case is then run twice")
     parser.add_argument("--full", action="store_true", help="run every case in the full loop, where a study screens")
     parser.add_argument(
         "--output",
@@ -97,12 +96,11 @@ def execute(options: argparse.Namespace) -> None:
 def _run(options: argparse.Namespace) -> None:
     from heave_bags.report.paper import find_browser, save_pdf
     from heave_bringup.errors import CommandError, VerdictError
-    from heave_bringup.output import make_table, write_result
+    from heave_bringup.output import write_result
 
     from heave_studies.answers.page import render
     from heave_studies.kinds import Options, open_study
     from heave_studies.study.cases import screening_words
-    from heave_studies.study.cost import HEAD, cost_rows
     from heave_studies.study.engine import CSV, PAGE, PDF, TABLE, run_study
 
     for name in ("processes", "draws", "seeds"):
@@ -122,7 +120,6 @@ def _run(options: argparse.Namespace) -> None:
             options.seeds,
             options.draws,
             options.duration,
-            options.baseline,
             options.output,
             options.full,
         )
@@ -142,18 +139,11 @@ def _run(options: argparse.Namespace) -> None:
     names = (("table", TABLE), ("csv", CSV), ("page", PAGE), *([("pdf", PDF)] if options.pdf else []))
     files = {name: str(folder / file) for name, file in names}
     places = "\n".join(f"{name:<9} {path}" for name, path in files.items())
-    cost, screened = cost_rows(folder), screening_words(frame)
+    screened = screening_words(frame)
     result = {"study": opened.kind.name, **found.data, "judged": found.judged, **files}
     result["screening"] = screened
     repeat = [f"its scenario: heave study --case {folder / TABLE}:{found.worst}"] if found.worst else []
-    result["cost_s"] = {name: float(seconds) for name, seconds, _ in cost}
-    parts = [
-        *found.parts,
-        *repeat,
-        *([screened] if screened else []),
-        *([make_table(HEAD, cost)] if cost else []),
-        places,
-    ]
+    parts = [*found.parts, *repeat, *([screened] if screened else []), places]
     write_result(options, parts, result)
     if not found.judged:
         raise CommandError(f"nothing was judged in {len(frame)} cases{_why(frame)}")

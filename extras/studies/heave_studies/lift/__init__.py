@@ -1,1 +1,1 @@
-"""One lift, from plan to as-built: limits of each phase, a forecast held against them, and the bag judged by phase."""
+"""A lift by phases: a forecast held against the limits of each, and the bag of the lift judged by phase."""

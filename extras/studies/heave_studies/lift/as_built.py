@@ -1,12 +1,13 @@
-"""The bag of a lift, judged phase by phase: phases are found by the depth of the unit, in the order of the plan.
+"""The bag of a lift, judged phase by phase: phases are found by the depth of the unit, in the order of the study.
 
 A ship's bag has no truth. Depth is then that of the depth sensor, loads are those of the load cell, and the strength of
-the parts is the plan's. What these cannot tell stays unknown, and is said of each criterion.
+the parts is the scenario's. What these cannot tell stays unknown, and is said of each criterion.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -14,6 +15,8 @@ from heave_bags.analyse.kpi_set import evaluate
 from heave_bags.analyse.run_record import TRUE, RunRecord
 from heave_bags.analyse.verdict import FAILED, PASSED, Judged
 from heave_bags.signals import RunSignals, Signal
+from heave_bringup.scenarios import Scenario
+from heave_node.criteria import Criterion
 from heave_node.loads.strength import strengths
 from heave_node.numerics.arrays import Array
 from heave_node.numerics.constants import STANDARD_GRAVITY
@@ -21,7 +24,7 @@ from heave_node.parameters import ParameterError, flatten
 from scipy.ndimage import uniform_filter1d
 from scipy.signal import savgol_filter
 
-from heave_studies.lift.plan import SURFACE, Phase, Plan
+from heave_studies.study.phases import Phase
 
 NOT_REACHED, IN_PART = "not in the bag", "passed in part"
 ENDS = 0.5
@@ -40,7 +43,7 @@ OVER_STATIC = ("dynamic_amplification", "tension_ratio_min")
 class AsBuilt:
     """What became of a phase."""
 
-    phase: Phase  # of the plan
+    phase: Phase  # of the lift
     start: float = math.nan  # in the bag [s]; NaN: not in it
     end: float = math.nan  # in the bag [s]; NaN: not in it
     judged: tuple[Judged, ...] = ()  # its criteria; a value that the bag cannot tell is NaN
@@ -70,8 +73,17 @@ class AsBuilt:
         }
 
 
-def as_built(plan: Plan, record: RunRecord) -> list[AsBuilt]:
-    """Return what became of each phase of a `plan` in the `record` of a bag.
+def as_built(
+    phases: Sequence[Phase], criteria: Mapping[str, Sequence[Criterion]], scenario: Scenario, record: RunRecord
+) -> list[AsBuilt]:
+    """Return what became of each phase of a lift in the bag of it.
+
+    Parameters
+    ----------
+    phases : of the lift
+    criteria : of each, by its name
+    scenario : of its study
+    record : of the bag
 
     Raises ParameterError for a bag without the depth of the unit, or with none of the phases.
     """
@@ -83,21 +95,23 @@ def as_built(plan: Plan, record: RunRecord) -> list[AsBuilt]:
         )
     width = max(round(WAVES / float(np.median(np.diff(height.time)))), 1)
     depth = -uniform_filter1d(height.value, width, mode="nearest")
-    plant, winch = (flatten(plan.with_settings().parameters[node]) for node in ("cable_sim", "virtual_winch"))
+    plant, winch = (flatten(scenario.parameters[node]) for node in ("cable_sim", "virtual_winch"))
     signals = replace(record.signals, strengths=strengths(plant, winch))
-    reach = 0.0 if record.sources.get("unit height", TRUE) == TRUE else _reach_of_waves(plan.sea[1])
+    period = scenario.parameters["wave_vessel"].peak_period
+    reach = 0.0 if record.sources.get("unit height", TRUE) == TRUE else _reach_of_waves(period)
     found, after = [], record.start
-    for phase in plan.phases:
+    for phase in phases:
         start, end = _window(phase, height.time, depth, after)
         if not end - start >= SHORTEST:
             found.append(AsBuilt(phase))
             continue
         values = _values(signals, phase, start, end, reach)
-        found.append(AsBuilt(phase, start, end, tuple(Judged(one, values[one.kpi]) for one in phase.criteria)))
+        judged = tuple(Judged(one, values[one.kpi]) for one in criteria[phase.name])
+        found.append(AsBuilt(phase, start, end, judged))
         after = end
     if all(math.isnan(one.start) for one in found):
         seen = f"{depth.min():.0f} to {depth.max():.0f} m"
-        raise ParameterError(f"{record.name}: its unit is at {seen} depth, where {plan.path} has no phase")
+        raise ParameterError(f"{record.name}: its unit is at {seen} depth, where the lift has no phase")
     return found
 
 
@@ -115,7 +129,7 @@ def _values(signals: RunSignals, phase: Phase, start: float, end: float, reach: 
     values = evaluate(signals, start, end)
     if min(phase.does.depth) < reach:
         values.update(dict.fromkeys(OF_UNIT, math.nan))
-    if phase.kind == SURFACE and not signals.static_tension.size:
+    if phase.crosses_surface and not signals.static_tension.size:
         values.update(dict.fromkeys(OVER_STATIC, math.nan))
     if not signals.slack.size and values["slack_percent"] == 0.0:  # a load cell knows the top alone
         values["slack_percent"] = math.nan
@@ -125,10 +139,10 @@ def _values(signals: RunSignals, phase: Phase, start: float, end: float, reach: 
 def _static(signals: RunSignals, phase: Phase, tension: Signal) -> Signal:
     """Return the tension at rest of a phase: that of the start of a bag may be the weight in air.
 
-    Through the surface the weight at the start is what loads are compared with, as in the plan: of a ship, while the
-    unit is above water.
+    Through the surface the weight at the start is what loads are compared with: of a ship, while the unit is above
+    water.
     """
-    if phase.kind == SURFACE:
+    if phase.crosses_surface:
         dry = tension.value[signals.unit_height.at(tension) > 0.0] if signals.unit_height.size else tension.value
         is_told = signals.static_tension.size or not dry.size
         return signals.static_tension if is_told else Signal(tension.time[:1], np.array([np.median(dry)]))

@@ -13,16 +13,16 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pandas
 from heave_node.numerics.arrays import Array
 from heave_node.parameters import ParameterError
+from heave_node.sheet import Column, Sheet
 
-from heave_studies.lift.limits import PeriodLimits, planned_curve
-from heave_studies.lift.plan import Phase, Plan
+from heave_studies.operability.limits import PERIOD
 from heave_studies.operability.seas import HS, TP, SeaRecord, limit_at, read_record
+from heave_studies.study.phases import Phase
 
 
 @dataclass(frozen=True)
@@ -35,14 +35,19 @@ class Window:
     # largest forecast height over what is allowed, in its reference period [-]; NaN without a window
     utilisation: float = math.nan
 
-    def to_json(self) -> Mapping[str, Any]:
-        """Return it as plain data."""
-        return {
-            "phase": self.phase,
-            "start": None if self.start is None else self.start.isoformat(),
-            "waiting_h": self.waiting,
-            "utilisation": self.utilisation,
-        }
+    @property
+    def time(self) -> str:
+        """Its start as people read it, in UTC."""
+        return "none" if self.start is None else f"{self.start:%Y-%m-%d %H:%M}"
+
+
+WINDOWS = Sheet(
+    Column("phase", "phase", "phase"),
+    Column("start (UTC)", "time"),
+    Column("", lambda one: None if one.start is None else one.start.isoformat(), "start"),
+    Column("wait [h]", "waiting", "waiting_h", ".1f"),
+    Column("of allowed [%]", "utilisation", "utilisation", ".0f", 100.0),
+)
 
 
 def read_forecast(path: Path) -> SeaRecord:
@@ -53,21 +58,24 @@ def read_forecast(path: Path) -> SeaRecord:
     return forecast
 
 
-def windows(plan: Plan, limits: Mapping[str, Sequence[PeriodLimits]], forecast: SeaRecord) -> list[Window]:
+def windows(
+    phases: Sequence[Phase], allowed: Mapping[str, Array], forecast: SeaRecord, contingency: float
+) -> list[Window]:
     """Return when each phase can take place.
 
     Parameters
     ----------
-    plan : of the lift
-    limits : of each phase by its name, by period
+    phases : of the lift
+    allowed : height up to which each may begin, by its name, at each step of the forecast [m]
     forecast : with times
+    contingency : time over the planned duration of a phase [-]
     """
     step, times, clock = forecast.step, pandas.DatetimeIndex(forecast.states.index), 0.0
-    used = {phase.name: _utilisation(plan, phase, limits[phase.name], forecast) for phase in plan.phases}
+    used = {phase.name: _utilisation(allowed[phase.name], forecast) for phase in phases}
     found: list[Window] = []
-    for group in _groups(plan.phases):
+    for group in _groups(phases):
         hours = np.cumsum([0.0, *(phase.duration / 3600.0 for phase in group)])
-        late = hours * (1.0 + plan.whole.contingency)
+        late = hours * (1.0 + contingency)
 
         def worst(
             number: int, start: float, group: list[Phase] = group, hours: Array = hours, late: Array = late
@@ -81,7 +89,7 @@ def windows(plan: Plan, limits: Mapping[str, Sequence[PeriodLimits]], forecast: 
         tried = (clock, *(step * n for n in range(math.floor(clock / step) + 1, times.size)))
         start = next((at for at in tried if all(worst(n, at) <= 1.0 for n in range(len(group)))), None)
         if start is None:
-            return [*found, *(Window(phase.name) for phase in plan.phases[len(found) :])]
+            return [*found, *(Window(phase.name) for phase in phases[len(found) :])]
         for n, phase in enumerate(group):
             waited = 0.0 if n else start - clock
             when = times[0] + pandas.Timedelta(hours=start + hours[n])
@@ -90,32 +98,35 @@ def windows(plan: Plan, limits: Mapping[str, Sequence[PeriodLimits]], forecast: 
     return found
 
 
-def allowed(plan: Plan, phase: Phase, limits: Sequence[PeriodLimits], forecast: SeaRecord) -> Array:
+def allowed_heights(curve: pandas.DataFrame, forecast: SeaRecord, alpha: float) -> Array:
     """Return the height up to which a phase may begin, by step of a forecast [m]: alpha times its limit.
 
     Parameters
     ----------
-    plan, phase : of the lift
-    limits : of the phase, by period
+    curve : limits of the phase by period
     forecast : with times
+    alpha : share of the limit [-]
     """
-    return plan.whole.alpha * limit_at(planned_curve(phase, limits), forecast.states[TP].to_numpy())
+    return alpha * limit_at(curve, forecast.states[TP].to_numpy())
 
 
-def _utilisation(plan: Plan, phase: Phase, limits: Sequence[PeriodLimits], forecast: SeaRecord) -> Array:
-    """Return the forecast height over what is allowed, by step; infinite where nothing is forecast."""
-    with np.errstate(divide="ignore", invalid="ignore"):
-        share = forecast.states[HS].to_numpy() / allowed(plan, phase, limits, forecast)
-    return np.where(np.isnan(share), np.inf, share)
+def warnings(forecast: SeaRecord, curve: pandas.DataFrame) -> list[str]:
+    """Return what is to be known of a `forecast` before it is trusted: what was repaired, what the limits leave open.
 
-
-def warnings(plan: Plan, forecast: SeaRecord) -> list[str]:
-    """Return what is to be known of a forecast before it is trusted for a `plan`: what was repaired, what is held."""
-    first, last = plan.whole.periods[0], plan.whole.periods[-1]
+    `curve` has the limits of a phase by period.
+    """
+    first, last = curve["period"].min(), curve["period"].max()
     outside = int(((forecast.states[TP] < first) | (forecast.states[TP] > last)).sum())
     held = f"{forecast.name}: {outside} of {len(forecast.states)} peak periods lie outside {first:g} to {last:g} s"
-    words = f"{held}, where the limit of the nearest is taken: add them to periods in {plan.path}"
+    words = f"{held}, where the limit of the nearest is taken: vary {PERIOD} further"
     return [*forecast.warnings, *([words] if outside else [])]
+
+
+def _utilisation(allowed: Array, forecast: SeaRecord) -> Array:
+    """Return the forecast height over what is `allowed`, by step; infinite where nothing is forecast."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        share = forecast.states[HS].to_numpy() / allowed
+    return np.where(np.isnan(share), np.inf, share)
 
 
 def _groups(phases: Sequence[Phase]) -> list[list[Phase]]:

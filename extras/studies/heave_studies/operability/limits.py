@@ -23,6 +23,7 @@ from heave_node.loads.strength import FACTORS, ROPE
 from heave_node.numerics.arrays import Array
 from scipy import stats
 
+from heave_studies.study.phases import DEPTH, PHASE
 from heave_studies.study.plan import Case, More
 from heave_studies.study.table import BREACHES, LOST, SEED, alike, settings_of
 from heave_studies.study.workers import FAILURE
@@ -77,8 +78,8 @@ class SeedLimit:
 
 
 def situations(frame: pandas.DataFrame) -> list[tuple[str, pandas.DataFrame]]:
-    """Return the cases in `frame` apart by what was varied beside the sea (heading, depth, ...), each with its name."""
-    others = [place for place in settings_of(frame) if place not in (HEIGHT, PERIOD)]
+    """Return the cases in `frame` apart by what was varied beside the sea (heading, phase, ...), each with its name."""
+    others = [place for place in settings_of(frame) if place not in (HEIGHT, PERIOD, DEPTH)]
     if not others:
         return [("", frame)]
     groups = frame.groupby([frame[place].astype(str) for place in others], sort=False)
@@ -91,7 +92,7 @@ def _name(places: Sequence[str], part: pandas.DataFrame) -> str:
         value = part[place].iloc[0]
         is_angle = place.endswith("heading")
         shown = f"{math.degrees(value):.0f} deg" if is_angle else f"{value:g}" if isinstance(value, float) else value
-        words.append(f"{place.rsplit('.', 1)[-1]} {shown}")
+        words.append(str(shown) if place == PHASE else f"{place.rsplit('.', 1)[-1]} {shown}")
     return ", ".join(words)
 
 
@@ -114,7 +115,7 @@ def limit_curve(frame: pandas.DataFrame, criteria: Sequence[Criterion], *, locke
     bottom, top = float(frame[HEIGHT].min()), float(frame[HEIGHT].max())
     rows = []
     for period, of_period in frame.groupby(PERIOD):
-        found = [seed_limit(of_seed, criteria, locked=locked) for _, of_seed in of_period.groupby(SEED)]
+        found = [_least(of_seed, criteria, locked=locked) for _, of_seed in of_period.groupby(SEED)]
         heights = np.array([min(one.height, top) for one in found])
         half = _half_width(heights)
         names = [one.governs for one in found if one.governs]
@@ -134,6 +135,12 @@ def limit_curve(frame: pandas.DataFrame, criteria: Sequence[Criterion], *, locke
     return pandas.DataFrame(rows)
 
 
+def _least(frame: pandas.DataFrame, criteria: Sequence[Criterion], *, locked: bool) -> SeedLimit:
+    """Return the limit of one seed at one period: the least of those at the depths of a phase, where it is of one."""
+    pieces = [part for _, part in frame.groupby(DEPTH)] if DEPTH in frame else [frame]
+    return min((seed_limit(one, criteria, locked=locked) for one in pieces), key=lambda one: one.height)
+
+
 def limit_words(row: Mapping[Hashable, Any]) -> str:
     """Return the limit of a `row` of a limit curve [m], as far as it lies within the heights that were run.
 
@@ -145,8 +152,6 @@ def limit_words(row: Mapping[Hashable, Any]) -> str:
 
 
 def _digits(row: Mapping[Hashable, Any]) -> int:
-    if "digits" in row:
-        return int(row["digits"])
     return 2 if float(row["upper"]) - float(row["lower"]) < NARROW else 1
 
 
@@ -293,7 +298,7 @@ def title_of(name: str) -> str:
 class Bisection:
     """Heights between those of the grid (`heave_studies.study.plan.Refinement`), compensated and locked."""
 
-    criteria: tuple[Criterion, ...]  # that are to hold
+    criteria: Mapping[str, Sequence[Criterion]]  # that are to hold, by phase of a lift; "": there are none
     within: float  # distance of the two heights that enclose a limit, at most [m]
 
     def size(self, cases: Sequence[Case]) -> int:
@@ -309,7 +314,8 @@ class Bisection:
         for rows in alike(frame, HEIGHT):
             part, first = frame.iloc[rows], cases[rows[0]]
             heights = sorted(part[HEIGHT].to_numpy(dtype=float).tolist())
-            limits = [seed_limit(part, self.criteria, locked=locked).height for locked in (False, True)]
+            criteria = self.criteria[str(first.settings.get(PHASE, ""))]
+            limits = [seed_limit(part, criteria, locked=locked).height for locked in (False, True)]
             middles = {self._middle(heights, limit) for limit in limits} - {None}
             found += [(first.seed, {**first.settings, HEIGHT: middle}) for middle in sorted(middles)]  # type: ignore[type-var]
         return found

@@ -1,4 +1,4 @@
-"""The seas of a place, a record or a scatter diagram, against limits: persistence, weather windows, waiting times.
+"""The seas of a place, a record or a scatter diagram, against limits: weather windows, waiting times.
 
 The waiting time of a moment is the time from it to the next start of a window: that many hours of workable seas without
 a break. It is counted from every moment of a record up to its last start of a window; moments after that would wait for
@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import io
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -25,6 +25,7 @@ from wave_vessel_node.sea.spectrum_files import read_spectra
 from wave_vessel_node.sea.spectrum_record import SpectrumFileError
 
 from heave_studies.operability.limits import limit_curve, situations
+from heave_studies.study.phases import PHASE
 
 PERCENTILES = (10, 50, 90)
 ALL = "all"
@@ -99,38 +100,6 @@ def _statistics(waiting: pandas.Series) -> dict[str, float]:
     return {"mean": float(values.mean()), **percentiles, "at_once": float(np.mean(values == 0.0))}
 
 
-def spells(flags: Flags, step: float) -> Array:
-    """Return how long each unbroken spell of true `flags` lasts [h], one flag for each `step` [h]."""
-    edges = np.flatnonzero(np.diff(np.concatenate(([0], flags.astype(int), [0]))))
-    return np.asarray((edges[1::2] - edges[::2]) * step, dtype=float)
-
-
-def persistence(workable: Flags, step: float) -> pandas.DataFrame:
-    """Return how long workable seas and the others last.
-
-    Parameters
-    ----------
-    workable : by step, shape (n,)
-    step : [h]
-
-    Returns
-    -------
-    table : rows workable and waiting; columns spells (their number), mean, p10, p50, p90, longest [h]
-    """
-    rows = {}
-    for name, flags in (("workable", workable), ("waiting", ~workable)):
-        found = spells(flags, step)
-        known = found if found.size else np.array([np.nan])
-        percentiles = {f"p{p}": float(np.percentile(known, p)) for p in PERCENTILES}
-        rows[name] = {
-            "spells": float(found.size),
-            "mean": float(known.mean()),
-            **percentiles,
-            "longest": float(known.max()),
-        }
-    return pandas.DataFrame.from_dict(rows, orient="index")
-
-
 def monthly_share(time: pandas.DatetimeIndex, workable: Flags, known: Flags) -> pandas.Series:
     """Return the workable share of the measured seas by month, shape (12,) or fewer.
 
@@ -143,61 +112,22 @@ def monthly_share(time: pandas.DatetimeIndex, workable: Flags, known: Flags) -> 
     return series.groupby(series.index.month).mean()
 
 
-def all_windows(
-    time: pandas.DatetimeIndex, workable_for: Sequence[tuple[float, Flags]], step: float
-) -> pandas.DataFrame:
+def all_windows(time: pandas.DatetimeIndex, workable: Flags, windows: Sequence[float], step: float) -> pandas.DataFrame:
     """Return the waiting times by month for windows of several lengths, one below the other.
 
     Parameters
     ----------
     time : of the steps, shape (n,)
-    workable_for : hours of each window, and by step whether its seas are workable, shape (n,)
+    workable : by step, shape (n,)
+    windows : their lengths [h]
     step : [h]
     """
     parts = []
-    for hours, workable in workable_for:
+    for hours in windows:
         table = waiting_by_month(time, workable, step, hours)
         parts.append(table.assign(window_h=hours, month=table.index))
     columns = ["window_h", "month", "mean", *(f"p{p}" for p in PERCENTILES), "at_once"]
     return pandas.concat(parts, ignore_index=True)[columns]
-
-
-@dataclass(frozen=True)
-class AlphaTable:
-    """Factors by planned duration and design wave height."""
-
-    hours: Array  # planned durations, rising, shape (n,) [h]
-    heights: Array  # design significant wave heights, rising, shape (m,) [m]
-    factors: Array  # above 0, at most 1, shape (n, m)
-
-    def factor(self, hours: float, heights: Array) -> Array:
-        """Return the factor.
-
-        Parameters
-        ----------
-        hours : planned duration [h]
-        heights : design wave heights, any shape [m]
-        """
-        of_duration = np.array([np.interp(hours, self.hours, column) for column in self.factors.T])
-        return np.asarray(np.interp(heights, self.heights, of_duration))
-
-
-def read_alpha(path: Path) -> AlphaTable:
-    """Read the table at `path`; raise ParameterError, in one line, for what is wrong with it."""
-    try:
-        table = pandas.read_csv(path, comment="#", skipinitialspace=True)
-        heights = np.array([float(name) for name in table.columns[1:]])
-        values = table.to_numpy(dtype=float)
-    except OSError as error:
-        raise ParameterError(f"{path}: cannot be read: {error.strerror}") from error
-    except (ValueError, UnicodeDecodeError) as error:
-        raise ParameterError(f"{path}: is not a table of hours by wave heights: {error}") from error
-    hours, factors = values[:, 0], values[:, 1:]
-    if not factors.size or (np.diff(hours) <= 0.0).any() or (np.diff(heights) <= 0.0).any():
-        raise ParameterError(f"{path}: hours and wave heights must rise")
-    if not ((factors > 0.0) & (factors <= 1.0)).all():
-        raise ParameterError(f"{path}: alpha factors must be above 0 and at most 1")
-    return AlphaTable(hours, heights, factors)
 
 
 HS, TP = "hs", "tp"
@@ -371,22 +301,17 @@ def limit_at(curve: pandas.DataFrame, periods: Array, column: str = "limit") -> 
     return np.asarray(np.interp(periods, curve["period"], curve[column].fillna(curve["limit"])))
 
 
-def workable(
-    record: SeaRecord, curve: pandas.DataFrame, *, alpha: AlphaTable | None = None, hours: float = 0.0
-) -> Flags:
+def workable(record: SeaRecord, curve: pandas.DataFrame, *, alpha: float = 1.0) -> Flags:
     """Return which seas of a record are within the limit; missing ones are not.
 
     Parameters
     ----------
     record : of a place
     curve : as `limit_curve` gives it
-    alpha : factors on the limit, by the planned duration; None: the forecast is trusted
-    hours : planned duration [h]
+    alpha : share of the limit up to which seas are taken [-]
     """
     states = record.states
-    limits = limit_at(curve, states[TP].to_numpy())
-    if alpha is not None:
-        limits = limits * alpha.factor(hours, limits)
+    limits = alpha * limit_at(curve, states[TP].to_numpy())
     with np.errstate(invalid="ignore"):
         return np.asarray(states[HS].to_numpy() <= limits)
 
@@ -424,7 +349,7 @@ class Place:
 
     record: SeaRecord  # of the place
     windows: tuple[float, ...]  # lengths of weather windows [h]
-    alpha: AlphaTable | None = None  # factors on the limit; None: the forecast is trusted
+    alpha: float = 1.0  # share of a limit up to which a forecast may go [-]
 
 
 @dataclass(frozen=True)
@@ -438,7 +363,6 @@ class Exposure:
     by_month: pandas.Series = field(default_factory=lambda: pandas.Series(dtype=float))
     # waiting times by length of window and month [h]
     windows: pandas.DataFrame = field(default_factory=pandas.DataFrame)
-    spells: pandas.DataFrame = field(default_factory=pandas.DataFrame)  # how long workable seas and the others last [h]
 
 
 @dataclass(frozen=True)
@@ -453,19 +377,22 @@ class Situation:
     locked_exposure: Exposure | None  # the same with the winch locked
 
 
-def study_situations(frame: pandas.DataFrame, criteria: Sequence[Criterion], place: Place | None) -> list[Situation]:
+def study_situations(
+    frame: pandas.DataFrame, criteria: Mapping[str, Sequence[Criterion]], place: Place | None
+) -> list[Situation]:
     """Return what a study found.
 
     Parameters
     ----------
     frame : table of the study
-    criteria : that are to hold
+    criteria : that are to hold, by phase of a lift; "": there are none
     place : whose seas it is held against; None: none
     """
     found = []
     for name, cases in situations(frame):
-        limit = limit_curve(cases, criteria)
-        locked = limit_curve(cases, criteria, locked=True)
+        wanted = criteria[str(cases[PHASE].iloc[0]) if PHASE in cases else ""]
+        limit = limit_curve(cases, wanted)
+        locked = limit_curve(cases, wanted, locked=True)
         exposures = [None if place is None else exposure_of(place, curve) for curve in (limit, locked)]
         found.append(Situation(name, cases, limit, locked, *exposures))
     return found
@@ -487,12 +414,10 @@ def exposure_of(place: Place, curve: pandas.DataFrame) -> Exposure:
     time = pandas.DatetimeIndex(record.states.index)
     flags = workable(record, curve)
     known = np.asarray(record.states[HS].notna())
-    of_windows = [(hours, workable(record, curve, alpha=place.alpha, hours=hours)) for hours in place.windows]
     return Exposure(
         *shares,
         by_month=monthly_share(time, flags, known),
-        windows=all_windows(time, of_windows, record.step),
-        spells=persistence(flags, record.step),
+        windows=all_windows(time, workable(record, curve, alpha=place.alpha), place.windows, record.step),
     )
 
 
@@ -506,5 +431,4 @@ def exposure_json(exposure: Exposure | None) -> dict[str, object] | None:
         "beyond_the_grid": exposure.outside,
         "by_month": {str(month): float(share) for month, share in exposure.by_month.items()},
         "windows": exposure.windows.to_dict("records"),
-        "spells": exposure.spells.to_dict("index"),
     }

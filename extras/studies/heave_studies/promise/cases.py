@@ -56,8 +56,6 @@ class Case:
     seed: int  # of the run
     deviations: tuple[str, ...] = ()  # names of what differs, and of the operation under way; a lift in words
     settings: Settings = field(default_factory=dict)  # of the run, but for law, seed and length
-    # what an informed controller would have of it; None: it has no parameter for some of it
-    told: Settings | None = field(default_factory=dict)
     parts: tuple[str, ...] = ()  # what a finding may blame
     # sensors of which a fault leaves nothing to read, each with the times from and to [s]
     lost: tuple[tuple[str, float, float], ...] = ()
@@ -71,12 +69,6 @@ class Case:
         acts = "".join(f", {what} {value:g} at {time:.0f} s" for time, what, value in self.actions)
         shown = "" if self.kind == "lifts" else f": {values}{acts}"
         return f"{self.index:3d} {self.scenario} {self.law} seed {self.seed}: {'; '.join(self.deviations)}{shown}"
-
-    def as_told(self) -> Case:
-        """Return the same case with an informed controller; raises ValueError where it has no parameter for it."""
-        if self.told is None:
-            raise ValueError(f"draw {self.index} cannot be told")
-        return replace(self, settings={**self.settings, **self.told}, told={})
 
     def load(self, duration: float = DURATION) -> Scenario:
         """Return the scenario of a run of a `duration` [s]."""
@@ -143,16 +135,13 @@ def _with(case: Case, rows: Sequence[Row], chance: Chance) -> Case:
     base: Nominal = nominal(case.scenario)
     drawn = [(row, row.draw(chance, base)) for row in rows]
     settings: dict[str, object] = {}
-    told: dict[str, object] | None = {}
     for _, one in drawn:
         settings |= one.settings
-        told = None if told is None or one.told is None else told | dict(one.told)
     faults = [fault for _, one in drawn for fault in one.faults]
     return replace(
         case,
         deviations=tuple(one.name or row.name for row, one in drawn),
         settings=settings | _fault_lists(faults),
-        told=told,
         parts=tuple(dict.fromkeys(part for row, one in drawn for part in _parts(row, one))),
         lost=tuple(lost for fault in faults for lost in _lost(fault)),
         excused=tuple(span for _, one in drawn for span in one.excused),

@@ -67,7 +67,7 @@ def _short(value: float) -> float:
 Settings = Mapping[str, object]
 
 BELIEF = "winch_controller"
-"""Node whose parameters an informed controller gets."""
+"""Node of the controller."""
 TROUBLE = 30.0
 """Time after the beginning of compensation, or of a fault, from which on minutes are judged [s]."""
 
@@ -133,8 +133,6 @@ class Deviation:
 
     name: str  # of the row
     settings: Settings = field(default_factory=dict)  # of the simulated ship
-    # parameters of an informed controller; empty: nothing helps; None: it has no parameter for that
-    told: Settings | None = None
     faults: tuple[Fault, ...] = ()  # scheduled besides
     # times, from and to, that are not judged [s]: the fault has just begun or ended, or a stop is requested
     excused: tuple[tuple[float, float], ...] = ()

@@ -1,4 +1,4 @@
-"""What all draws of a kind came to: their distribution, whether the promise holds, and what each part saves."""
+"""What all draws of a kind came to: their distribution, and whether the promise holds."""
 
 from __future__ import annotations
 
@@ -20,8 +20,6 @@ PROMISED: Mapping[str, Mapping[float, float]] = {
 """Share of the judged draws within each limit, by kind; the empty one stands for all others."""
 SELDOM = 0.01
 """Share of the draws in which a healthy part may be blamed, and in which compensation may never begin for no reason."""
-LEAST_OF_TOLD = 0.95
-"""Median efficiency over that of the same cases with an informed controller."""
 CHANGED = 0.1
 """Difference of a worst minute over winch locked from which on a draw counts as changed [-]."""
 
@@ -32,7 +30,7 @@ Figures = Mapping[str, float]
 def figures_of(frame: pandas.DataFrame) -> dict[str, float]:
     """Return the distribution of what the draws in a `frame` came to."""
     ran = frame[frame[FAILURE] == ""]
-    judged, waited, told = ran[ran["worst"].notna()], ran[ran["worst"].isna()], ran[ran["told"].notna()]
+    judged, waited = ran[ran["worst"].notna()], ran[ran["worst"].isna()]
     ratios = judged["worst"].to_numpy(dtype=float)
     alarmed = ran["alarmed"]
     return {
@@ -52,9 +50,6 @@ def figures_of(frame: pandas.DataFrame) -> dict[str, float]:
         "reached 1.5": int((alarmed != "").sum()),
         "without an alarm": int((alarmed == "no").sum()),
         "efficiency": _percentile(ran["efficiency"].to_numpy(dtype=float), 50.0),
-        "informed": len(told),
-        "efficiency of these": _percentile(told["efficiency"].to_numpy(dtype=float), 50.0),
-        "informed efficiency": _percentile(told["told"].to_numpy(dtype=float), 50.0),
     }
 
 
@@ -77,9 +72,6 @@ def broken(kind: str, found: Figures) -> list[str]:
         words += [f"{found['blamed']:g} with a healthy part blamed"] if _is_often(found, "blamed") else []
     if _is_often(found, "without a true reason"):
         words.append(f"{found['without a true reason']:g} never begun without a true reason")
-    if found["efficiency of these"] < LEAST_OF_TOLD * found["informed efficiency"]:
-        pair = f"{found['efficiency of these']:.3f}, informed {found['informed efficiency']:.3f}"
-        words.append(f"median efficiency {pair}")
     return words + ([f"{found['failed']:g} could not be run"] if found["failed"] else [])
 
 
@@ -104,9 +96,6 @@ ROWS: Mapping[str, str] = {
     "reached 1.5": "reached 1.5",
     "without an alarm": "of these without an alarm before",
     "efficiency": "efficiency, median [%]",
-    "informed": "also run with an informed controller",
-    "efficiency of these": "their efficiency, median [%]",
-    "informed efficiency": "with the informed controller [%]",
 }
 """Rows of the table, by their names in the figures."""
 
@@ -119,12 +108,12 @@ def figure_rows(found: Mapping[str, Figures]) -> tuple[list[str], list[list[str]
 
 def _text(name: str, found: Figures) -> str:
     value = found[name]
-    if not math.isfinite(value) or (name == "informed" and not value):
+    if not math.isfinite(value):
         return "-"
     if name in SHARES:
         low, high = wilson(round(value * found["judged"]), int(found["judged"]))
         return f"{100 * value:.1f} ({100 * low:.0f} to {100 * high:.0f})"
-    return f"{value:.3f}" if name in RATIOS else f"{100 * value:.1f}" if "efficiency" in name else f"{value:g}"
+    return f"{value:.3f}" if name in RATIOS else f"{100 * value:.1f}" if name == "efficiency" else f"{value:g}"
 
 
 def ratios_of(frame: pandas.DataFrame) -> pandas.Series:
@@ -145,24 +134,3 @@ def changes(before: pandas.DataFrame, now: pandas.DataFrame) -> pandas.DataFrame
     both = pandas.DataFrame({"before": ratios_of(before), "now": ratios_of(now)}).dropna()
     step = (both["now"] - both["before"]).abs()
     return both[step > CHANGED].loc[step[step > CHANGED].sort_values(ascending=False).index]
-
-
-def ablation_rows(frame: pandas.DataFrame) -> tuple[list[str], list[list[str]]]:
-    """Return head and rows of what each part of the controller saves and costs in the draws of a `frame`.
-
-    Saves: draws that are worse without it by more than CHANGED; costs: those that are better without it.
-    """
-    whole = frame[frame["without"] == ""]
-    rows = [_ablated("nothing", whole, whole)]
-    rows += [_ablated(str(name), part, whole) for name, part in frame.groupby("without", sort=False) if name]
-    head = ["without", "saves", "costs", "within 1.05 [%]", "within 1.5 [%]", "largest", "lost", "blamed", "no alarm"]
-    return head, rows
-
-
-def _ablated(name: str, part: pandas.DataFrame, whole: pandas.DataFrame) -> list[str]:
-    found = figures_of(part)
-    pairs = changes(whole, part)
-    counts = [str(int((pairs["now"] > pairs["before"]).sum())), str(int((pairs["now"] < pairs["before"]).sum()))]
-    shares = [f"{100 * found[share]:.1f}" for share in ("within 1.05", "within 1.5")]
-    return [name, *counts, *shares, f"{found['largest']:.3f}",
-            *(f"{found[key]:g}" for key in ("lost", "blamed", "without an alarm"))]  # fmt: skip

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -18,7 +18,6 @@ from heave_studies.promise.cases import DURATION, Case
 from heave_studies.promise.deviation import TROUBLE
 from heave_studies.promise.findings import DRUM, ENCODER, findings_of, warnings_of
 from heave_studies.promise.table import FACTOR
-from heave_studies.study.cost import JUDGE, LOOP, START, Meter
 
 ALARMED = 1.5
 """Ratio to off that is not reached without an alarm."""
@@ -54,11 +53,9 @@ class Outcome:
     wrong: tuple[str, ...] = ()  # findings that blame what does not
     is_alarmed: bool | None = None  # there was an alarm before the ratio reached `ALARMED`; None: it never did
     efficiency: float = 0.0  # of the unit, from 30 s after the beginning on; 0: it never began [-]
-    told: float = math.nan  # the same with an informed controller; NaN: not run [-]
     refused: tuple[str, ...] = ()  # what an operator asked for in vain
     failure: str = ""  # why the case could not be run; empty: it could
     alarms: tuple[tuple[float, str], ...] = field(default=())  # all of them, with their times [s]
-    cost: Mapping[str, float] = field(default_factory=dict)  # processor time by part [s]
 
     @property
     def is_judged(self) -> bool:
@@ -66,22 +63,11 @@ class Outcome:
         return math.isfinite(self.worst)
 
 
-def run_case(case: Case, *, is_informed: bool = False, duration: float = DURATION) -> Outcome:
-    """Run a case for a `duration` [s]; where `is_informed`, once more with an informed controller, if there is one."""
-    found = _run(case, duration)
-    if is_informed and case.told is not None and not found.failure:
-        told = _run(case.as_told(), duration) if case.told else found
-        found = replace(found, told=told.efficiency)
-    return found
-
-
-def _run(case: Case, duration: float) -> Outcome:
-    meter = Meter()
+def run_case(case: Case, duration: float = DURATION) -> Outcome:
+    """Run a case for a `duration` [s], and judge it."""
     try:
-        with meter.of(START):
-            scenario = case.load(duration)
-            loop = ClosedLoop(loop_parameters(scenario))
-        meter.watch(loop)
+        scenario = case.load(duration)
+        loop = ClosedLoop(loop_parameters(scenario))
         operator = Operator(loop, case.actions, scenario.run.tick_period)
         obstacles: list[str] = []
 
@@ -90,14 +76,12 @@ def _run(case: Case, duration: float) -> Outcome:
             if outputs.mode != "compensating" and tick % LOOK == 0:
                 obstacles.append(why_waiting(loop.controller))
 
-        with meter.of(LOOP):
-            record = loop.run(on_tick)
+        record = loop.run(on_tick)
     except Exception as error:  # one case that cannot be run must not end the others; it stands in the table
         return Outcome(failure=f"{type(error).__name__}: {' '.join(str(error).split())}")
     stiffness = scenario.parameters["cable_sim"].cable.axial_stiffness
-    with meter.of(JUDGE):
-        found = judged(case, record, stiffness, next((words for words in reversed(obstacles) if words), ""))
-    return replace(found, refused=tuple(operator.refused), cost=meter.seconds)
+    found = judged(case, record, stiffness, next((words for words in reversed(obstacles) if words), ""))
+    return replace(found, refused=tuple(operator.refused))
 
 
 def why_waiting(controller: Any) -> str:

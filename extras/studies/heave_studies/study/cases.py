@@ -17,8 +17,7 @@ from heave_node.parameters import ParameterError
 
 from heave_studies.batch.lifts import LiftBatch, NotCoveredError
 from heave_studies.study import sampling
-from heave_studies.study.case_file import KeptFile, keep_files
-from heave_studies.study.cost import LOOP, START, Meter
+from heave_studies.study.case_file import ReadFile, read_files
 from heave_studies.study.engine import SETTLED
 from heave_studies.study.plan import Case, Study, unlinked
 from heave_studies.study.runs import Task, in_a_line, judge, make_tasks, result_of, run_task
@@ -36,7 +35,7 @@ class Cases:
 
     def __post_init__(self) -> None:
         if self.study.search is not None:
-            sampling.load_cma()
+            sampling.CMA()
             if self.study.draws is None or self.study.draws.count < sampling.LEAST_POPULATION:
                 raise ParameterError(f"{self.study.path}: draw.count must be at least {sampling.LEAST_POPULATION}")
         self._first = make_tasks(self.study, list(self.study.cases()))
@@ -60,17 +59,15 @@ class Cases:
         return self.study.refinement is not None
 
     @cached_property
-    def files(self) -> Mapping[str, KeptFile]:
+    def files(self) -> Mapping[str, ReadFile]:
         """Files that the cases read, by path."""
-        return keep_files({path for task in self._first for path in named_files(task.scenario)})
+        return read_files({path for task in self._first for path in named_files(task.scenario)})
 
     @property
     def identity(self) -> str:
         """What identifies the results: every value of every case, and the files that they read."""
         of = self.study
-        digest = hashlib.sha256(
-            repr((of.search, of.draws, of.refinement, of.has_baseline, of.has_adviser, of.has_screening)).encode()
-        )
+        digest = hashlib.sha256(repr((of.search, of.draws, of.refinement, of.has_adviser, of.has_screening)).encode())
         for task in self._first:
             digest.update(task.values.encode())
         for file in self.files.values():
@@ -153,11 +150,8 @@ def screening_jobs(tasks: Sequence[Task]) -> Iterator[Job]:
 
 def screen(tasks: Sequence[Task]) -> Plain:
     """Return what the cases of `tasks`, which differ by their seeds alone, come to where a screening covers them."""
-    first = Meter()
-    with first.of(START):
-        batch = _batch_of(tasks[0])
-    meters = [first, *(Meter() for _ in tasks[1:])]
-    lifts = {str(one.case.number): _screened(one, batch, meter) for one, meter in zip(tasks, meters, strict=True)}
+    batch = _batch_of(tasks[0])
+    lifts = {str(one.case.number): _screened(one, batch) for one in tasks}
     return {LIFTS: lifts, SETTLED: sum(FAILURE in one for one in lifts.values())}
 
 
@@ -168,17 +162,16 @@ def _batch_of(task: Task) -> LiftBatch | str:
         return in_a_line(error)
 
 
-def _screened(task: Task, batch: LiftBatch | str, meter: Meter) -> Plain:
+def _screened(task: Task, batch: LiftBatch | str) -> Plain:
     if isinstance(batch, str):
         return {FLAG: batch}
     try:
-        with meter.of(LOOP):
-            flown = batch.fly(task.scenario.run.seed)
+        flown = batch.fly(task.scenario.run.seed)
     except NotCoveredError as error:
         return {FLAG: str(error)}
     if flown.flag:
         return {FLAG: flown.flag}
-    return {**judge(task, flown.record, flown.strain, meter).to_plain(), "is_screened": True}
+    return {**judge(task, flown.record, flown.strain).to_plain(), "is_screened": True}
 
 
 def screened_results(results: Mapping[int, Plain]) -> dict[int, Plain]:

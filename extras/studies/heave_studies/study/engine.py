@@ -16,8 +16,7 @@ from heave_bags.record.provenance import git_commit, versions
 from heave_bringup.progress import ProgressLine, time_to_go
 from heave_node.parameters import ParameterError
 
-from heave_studies.study.case_file import KeptFile, check_can_write, read_cases, write_cases
-from heave_studies.study.cost import write_cost
+from heave_studies.study.case_file import ReadFile, check_can_write, keep_files, read_cases, write_cases
 from heave_studies.study.workers import FAILURE, Job, Plain, Run, workers
 
 TABLE, CSV, PAGE, PDF, JOURNAL = "table.parquet", "table.csv", "page.html", "page.pdf", "journal.jsonl"
@@ -33,7 +32,7 @@ class Kind(Protocol):
 
     @property
     def name(self) -> str:
-        """What it is called."""
+        """What its table and page are called."""
 
     @property
     def identity(self) -> str:
@@ -52,8 +51,8 @@ class Kind(Protocol):
         """Whether its jobs run one after the other, in the process of the command."""
 
     @property
-    def files(self) -> Mapping[str, KeptFile]:
-        """Files that its jobs read, by path: the table keeps them."""
+    def files(self) -> Mapping[str, ReadFile]:
+        """Files that its jobs read, by path: copies are kept beside the table."""
 
     def rounds(self, results: Mapping[int, Plain]) -> Iterator[list[Job]]:
         """Yield its jobs; those of a later round may depend on the `results`, by number, of the rounds before."""
@@ -96,8 +95,8 @@ def run_study(
         results = dict(journal.results)
         with _saying_what_is_kept(journal, results), workers(processes, dask) as run:
             frame = _completed(kind, run, journal, results)
-        write_cost(results, folder)
-        write_cases(frame, table, about, kind.files.values())
+        keep_files(kind.files.values(), folder)
+        write_cases(frame, table, about)
         journal.remove()
     return read_cases(table)
 

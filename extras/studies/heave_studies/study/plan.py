@@ -6,13 +6,17 @@ import itertools
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from pathlib import Path
 from typing import Protocol
 
 import pandas
+from heave_bringup.scenarios import Scenario, load_scenario
 from heave_bringup.settings import Setting, make_setting
+from heave_node.parameters import ParameterError
 from heave_node.scenario import WILDCARD
 
+from heave_studies.study.phases import DEPTH, PHASE, Phase
 from heave_studies.study.sampling import Draws
 
 LINK = ","
@@ -86,9 +90,9 @@ class Study:
     # criteria of every case, nominal ones too, by figure of merit; they replace the scenario's of that name
     wanted: Mapping[str, str] = field(default_factory=dict)
     vary: tuple[Link, ...] = ()  # of each entry the parameters move together; every combination of entries is a case
+    phases: tuple[Phase, ...] = ()  # of a lift: each, in each of its pieces, is combined with the rest
     draws: Draws | None = None  # random cases; None: there are none
     has_nominal: bool = False  # whether the scenario itself runs before the draws
-    has_baseline: bool = False  # whether each case runs under the baseline law as well
     has_adviser: bool = True  # whether the adviser takes part
     has_screening: bool = False  # whether cases that a screening covers are screened, see `heave_studies.batch`
     search: Search | None = None  # for the worst case; None: cases are as stated
@@ -98,16 +102,40 @@ class Study:
 
     def settings_of(self, case: Case) -> list[Setting]:
         """Return a case as changes of the scenario; raises ParameterError for an unknown parameter."""
-        changes = {} if case.is_nominal else {**unlinked(self.common), **case.settings}
-        changes.pop(BASE, None)
-        settings = [make_setting(place, value, f"{self.path}: {place}") for place, value in changes.items()]
-        for kpi, bound in self.wanted.items():
+        phase, wanted = self.phase_of(case), self.wanted
+        settings = [*self._common(case), Setting(WILDCARD, "seed", case.seed, f"{self.path}: seeds")]
+        if phase is not None:
+            where, wanted = f"{self.path}: {phase.name}", {**wanted, **phase.wanted}
+            try:
+                own = phase.settings(float(str(case.settings[DEPTH])), self._base)
+            except ParameterError as error:
+                raise ParameterError(f"{self.path}: {error}") from error
+            settings += [make_setting(place, value, where) for place, value in own.items()]
+        differing = {} if case.is_nominal else {**case.settings}
+        for place in (BASE, PHASE, DEPTH):
+            differing.pop(place, None)
+        settings += [make_setting(place, value, f"{self.path}: {place}") for place, value in differing.items()]
+        for kpi, bound in wanted.items():
             settings.append(make_setting(f"wanted.{kpi}", bound, f"{self.path}: wanted"))
-        settings.append(Setting(WILDCARD, "seed", case.seed, f"{self.path}: seeds"))
+        return settings
+
+    def _common(self, case: Case | None = None) -> list[Setting]:
+        """Return the changes of every case, but a nominal one."""
+        changes = {} if case is not None and case.is_nominal else unlinked(self.common)
+        settings = [make_setting(place, value, f"{self.path}: {place}") for place, value in changes.items()]
         if self.duration is not None:
             source = self.duration_source or f"{self.path}: duration"
             settings.append(Setting(WILDCARD, "duration", self.duration, source))
         return settings
+
+    @cached_property
+    def _base(self) -> Scenario:
+        """The scenario with the changes of every case."""
+        return load_scenario(self.scenario, settings=self._common())
+
+    def phase_of(self, case: Case) -> Phase | None:
+        """Return the phase of a lift that a `case` is of; None: there are none."""
+        return next((one for one in self.phases if one.name == case.settings.get(PHASE)), None)
 
     def scenario_of(self, case: Case) -> str:
         """Return the scenario of a `case`, a shipped name or a file."""
@@ -120,7 +148,8 @@ class Study:
             number += 1
             yield Case(number, seed, {}, is_nominal=True)
         drawn = [unlinked(one) for one in self.draws.values()] if self.draws else [{}]
-        for combination in itertools.product(*(_steps(link) for link in self.vary)):
+        pieces = [{PHASE: one.name, DEPTH: depth} for one in self.phases for depth in one.depths(self._base)]
+        for combination in itertools.product(pieces or [{}], *(_steps(link) for link in self.vary)):
             chosen = {place: value for step in combination for place, value in step.items()}
             for draw in drawn:
                 for seed in self.seeds:

@@ -13,7 +13,7 @@ from heave_bags.analyse.events import COMPENSATES
 from heave_bags.analyse.verdict import Judged, Verdict
 from heave_bags.signals import RunSignals, Signal
 from heave_bringup.closed_loop import ClosedLoop, LoopRecord, loop_parameters
-from heave_bringup.run.criteria import BASELINE_LAW, LAW, refuse_unknown
+from heave_bringup.run.criteria import refuse_unknown
 from heave_bringup.run.loop_signals import run_signals
 from heave_bringup.scenarios import Scenario, load_scenario
 from heave_bringup.stored_scenario import stored_sections, stored_title
@@ -24,7 +24,6 @@ from heave_node.parameters import ParameterError
 from heave_node.scenario import sections_text
 from numpy.typing import NDArray
 
-from heave_studies.study.cost import JUDGE, LOOP, START, Meter
 from heave_studies.study.plan import Case, Study
 
 BOUND = "kappa"
@@ -54,7 +53,6 @@ class Task:
 
     case: Case  # of the study
     scenario: Scenario  # checked
-    has_baseline: bool = False  # the same case is run under the baseline law as well
     has_adviser: bool = True  # the adviser takes part
 
     @property
@@ -68,17 +66,6 @@ class Task:
         one = self.scenario
         return repr((one.run, dict(one.parameters), one.wanted, dict(one.quality_of_service), one.changed))
 
-    @property
-    def is_baseline(self) -> bool:
-        """Return whether the case is one under the baseline law."""
-        return bool(self.scenario.parameters["winch_controller"].law == BASELINE_LAW)
-
-    @property
-    def but_for_law(self) -> tuple[object, ...]:
-        """What the case is, but for its law: cases of which this is the same have one baseline."""
-        settings = sorted((place, str(value)) for place, value in self.case.settings.items() if place != LAW)
-        return (self.case.seed, self.case.is_nominal, *settings)
-
 
 @dataclass(frozen=True)
 class CaseResult:
@@ -91,11 +78,9 @@ class CaseResult:
     compensating: float = math.nan
     reason: str = ""  # why it was lost; "" where it was not
     missed: tuple[str, ...] = ()  # breaches and criteria that it does not meet, one line each
-    baseline_unknown: str = ""  # why there is no baseline, where one was asked for; "" elsewhere
     # those of `missed` that fail any run, see `heave_bags.analyse.verdict.Verdict.breaches`
     breaches: tuple[str, ...] = ()
     minute: Minute = NO_MINUTE  # the worst minute that no alarm announced
-    cost: Mapping[str, float] = field(default_factory=dict)  # processor time by part [s]
     is_screened: bool = False  # it is of a batch of lifts under a fixed law, see `heave_studies.batch`
     flag: str = ""  # why no screening could have it, where one was asked for
 
@@ -107,7 +92,7 @@ class CaseResult:
     def to_plain(self) -> dict[str, Any]:
         """Return it as plain data, without its case."""
         names = (one.name for one in fields(self) if one.name != "case")
-        return {name: getattr(self, name) for name in names} | {"kpis": dict(self.kpis), "cost": dict(self.cost)}
+        return {name: getattr(self, name) for name in names} | {"kpis": dict(self.kpis)}
 
 
 def result_of(case: Case, plain: Mapping[str, Any]) -> CaseResult:
@@ -118,17 +103,9 @@ def result_of(case: Case, plain: Mapping[str, Any]) -> CaseResult:
 
 
 def make_tasks(study: Study, cases: Sequence[Case]) -> list[Task]:
-    """Return the `cases` of a `study` with their parameters; raise ParameterError for the first that is wrong.
-
-    A case whose twin under the baseline law is a case itself is not run under that law again.
-    """
+    """Return the `cases` of a `study` with their parameters; raise ParameterError for the first that is wrong."""
     loaded: dict[str, Scenario] = {}
-    tasks = [Task(case, _scenario(study, case, loaded), study.has_baseline, study.has_adviser) for case in cases]
-    baselines = {task.but_for_law for task in tasks if task.is_baseline}
-    return [
-        replace(task, has_baseline=False) if task.but_for_law in baselines and not task.is_baseline else task
-        for task in tasks
-    ]
+    return [Task(case, _scenario(study, case, loaded), study.has_adviser) for case in cases]
 
 
 def _scenario(study: Study, case: Case, loaded: dict[str, Scenario]) -> Scenario:
@@ -152,19 +129,14 @@ def _scenario(study: Study, case: Case, loaded: dict[str, Scenario]) -> Scenario
 
 def run_task(task: Task) -> CaseResult:
     """Run the case of a `task`; one that cannot be run says why, and harms no other."""
-    meter = Meter()
     try:
-        with meter.of(START):
-            loop = ClosedLoop(loop_parameters(task.scenario), has_adviser=task.has_adviser)
-        meter.watch(loop)
-        with meter.of(LOOP):
-            record = loop.run()
-        return judge(task, record, loop.plant.largest_strain, meter)
+        loop = ClosedLoop(loop_parameters(task.scenario), has_adviser=task.has_adviser)
+        return judge(task, loop.run(), loop.plant.largest_strain)
     except Exception as error:  # one case that cannot be run must not end the others; it is named in the table
         return CaseResult(task.case, failure=in_a_line(error))
 
 
-def judge(task: Task, record: LoopRecord, strain: float, meter: Meter) -> CaseResult:
+def judge(task: Task, record: LoopRecord, strain: float) -> CaseResult:
     """Return what the case of a `task` came to.
 
     Parameters
@@ -172,21 +144,18 @@ def judge(task: Task, record: LoopRecord, strain: float, meter: Meter) -> CaseRe
     task : that was run
     record : of its run
     strain : largest of the cable [-]
-    meter : of its cost
     """
     case, scenario, parameters = task.case, task.scenario, loop_parameters(task.scenario)
-    with meter.of(JUDGE):
-        signals = run_signals(record, parameters)
-        _add_bounds(signals, record, scenario)
-        unknown = _add_baseline(signals, task) if task.has_baseline else ""
-        kpis = kpi_set.evaluate_run(signals, scenario.run.transient, scenario.run.duration)
-        minute = silent_minute(record, signals, scenario.run.transient)
+    signals = run_signals(record, parameters)
+    _add_bounds(signals, record, scenario)
+    kpis = kpi_set.evaluate_run(signals, scenario.run.transient, scenario.run.duration)
+    minute = silent_minute(record, signals, scenario.run.transient)
     share = _compensating(record, scenario)
     judged = tuple(Judged(criterion, kpis[criterion.kpi]) for criterion in scenario.wanted)
     modes = _time_in_modes(record, scenario)
     verdict = Verdict(judged, (), modes, share, strain=strain, loads=signals.load_checks())
     reason, (failures, breaches) = lost_because(record, scenario, kpis), (verdict.failures, verdict.breaches)
-    return CaseResult(case, kpis, "", share, reason, tuple(failures), unknown, tuple(breaches), minute, meter.seconds)
+    return CaseResult(case, kpis, "", share, reason, tuple(failures), tuple(breaches), minute)
 
 
 def in_a_line(error: Exception) -> str:
@@ -210,17 +179,6 @@ def _add_bounds(signals: RunSignals, record: LoopRecord, scenario: Scenario) -> 
     except (DesignError, ArithmeticError, ValueError):  # no bound, and kappa stays unknown, as for a bag
         return
     signals.sensor_bound, signals.actuator_bound = bounds
-
-
-def _add_baseline(signals: RunSignals, task: Task) -> str:
-    """Put in what the baseline law makes of the same case, or say why it cannot; one under that law is its own."""
-    from heave_studies.baseline import baseline_signals  # noqa: PLC0415 - seconds to load, not always needed
-
-    try:
-        signals.baseline = signals if task.is_baseline else baseline_signals(task.scenario)
-    except Exception as error:  # a baseline that cannot be run must not end its case
-        return in_a_line(error)
-    return ""
 
 
 def _judged(record: LoopRecord, scenario: Scenario) -> list[str]:

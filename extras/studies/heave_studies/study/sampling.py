@@ -10,14 +10,15 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Any
 
 import numpy as np
-from heave_node.extras import how_to_install
 from heave_node.numerics.arrays import Array
 from heave_node.numerics.randomness import random_stream
-from heave_node.parameters import ParameterError
 from scipy.stats import qmc
+
+from heave_studies.study.workers import optional
 
 AS_LIST = "[]"
 """End of a place whose drawn value is the one entry of a list, as of the faults of a device."""
@@ -40,7 +41,7 @@ def _sobol(count: int, dimensions: int, seed: int) -> Array:
 
 def _saltelli(count: int, dimensions: int, seed: int) -> Array:
     """Return Saltelli's sample, for Sobol' indices; `count` is made a power of two, times dimensions + 2."""
-    sample = load_salib("draw.method: saltelli").sample.sobol
+    sample = optional("SALib.sample.sobol", "draw.method: saltelli", "sensitivity")
     whole = 2 ** int(np.ceil(np.log2(count)))
     return np.asarray(sample.sample(problem(dimensions), whole, calc_second_order=False, seed=seed))
 
@@ -48,16 +49,6 @@ def _saltelli(count: int, dimensions: int, seed: int) -> Array:
 def problem(dimensions: int) -> dict[str, Any]:
     """Return the unit cube of so many `dimensions` as SALib takes it."""
     return {"num_vars": dimensions, "names": [str(n) for n in range(dimensions)], "bounds": [[0.0, 1.0]] * dimensions}
-
-
-def load_salib(what: str) -> Any:
-    """Return SALib with what is used of it; raise ParameterError where it is missing, naming `what` needs it."""
-    try:
-        import SALib.analyze.sobol  # noqa: PLC0415 - an extra
-        import SALib.sample.sobol  # noqa: PLC0415
-    except ImportError as error:
-        raise ParameterError(f"{what} needs the package SALib; {how_to_install('sensitivity')}") from error
-    return SALib
 
 
 SALTELLI = "saltelli"
@@ -140,15 +131,8 @@ WIDTH = 0.2
 """Standard deviation of the first generation, over the width of each range."""
 LEAST_POPULATION = 5
 """Draws that a search begins with, at least."""
-
-
-def load_cma() -> Any:
-    """Return the package `cma`; raise ParameterError where it is missing."""
-    try:
-        import cma  # noqa: PLC0415 - an extra
-    except ImportError as error:
-        raise ParameterError(f"search needs the package cma; {how_to_install('search')}") from error
-    return cma
+CMA = partial(optional, "cma", "search", "search")
+"""Gives the package of the search; raises ParameterError where it is missing."""
 
 
 def generations(draws: Draws, runs: int, values: Callable[[], Array]) -> Iterator[Array]:
@@ -172,7 +156,7 @@ def generations(draws: Draws, runs: int, values: Callable[[], Array]) -> Iterato
         "seed": np.nan,
         "verbose": -9,
     }
-    strategy = load_cma().CMAEvolutionStrategy(points[int(np.argmax(found))], WIDTH, options)
+    strategy = CMA().CMAEvolutionStrategy(points[int(np.argmax(found))], WIDTH, options)
     while left >= count and not strategy.stop():
         asked = strategy.ask()
         yield np.array(asked)

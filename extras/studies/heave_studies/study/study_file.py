@@ -8,7 +8,6 @@ A study is a YAML file:
     seeds: [1, 2, 3]                  # or a number of seeds, counted from 1
     set: {winch_controller.law: mpc}  # for every case
     wanted: {unit_sigma_m: "<= 0.01"} # criteria, as in a scenario
-    baseline: true                    # each case under law industrial as well
     screening: true                   # cases away from the winch's limits under a fixed law, not in the full loop
     adviser: false                    # cases run without it, in less time; heave run --replace winch_adviser=none
     vary:                             # every combination of what stands in the list ...
@@ -25,8 +24,8 @@ A study is a YAML file:
       log_uniform: {cable_sim.unit.mass: [1.0e4, 1.0e5]}
       choose: {winch_controller.law: [off, lqg, mpc]}
       # a place that ends in [] takes the value as the one entry of a list: wave_vessel.mru.faults.start[]: [60, 200]
-    until: {figure: unit_sigma_m, width: 10 %, most: 64}  # more seeds, until the mean's 90 % interval is so narrow
     search: {figure: silent_minute, runs: 480, at_most: 1.05}      # from these draws on, for the worst case
+    phases: [{name: landing, depth: [1490, 1500], speed: 0.2}]     # of a lift, see `heave_studies.study.phases`
     ask: {answer: limits, record: seas.csv}       # what is made of the cases, see `heave_studies.answers`
 
 `vary` may also be a mapping: each of its parameters is then varied by itself.
@@ -48,8 +47,7 @@ from heave_node.files.file_kinds import PARAMETERS_KEY, refuse_other_kind
 from heave_node.files.given_files import as_mapping, find_stated, read_stated, refuse_keys, scenario_of
 from heave_node.parameters import ParameterError
 
-from heave_studies.study.enough import KEYS as UNTIL_KEYS
-from heave_studies.study.enough import read_until
+from heave_studies.study.phases import read_phases
 from heave_studies.study.plan import BASE, Link, Search, Study
 from heave_studies.study.sampling import Draws
 
@@ -63,13 +61,12 @@ KEYS = {
     "seeds",
     "set",
     "wanted",
-    "baseline",
     "adviser",
     "screening",
     "vary",
+    "phases",
     "draw",
     "search",
-    "until",
     "ask",
 }
 _DRAW_KEYS = {"count", "seed", "method", "nominal", "uniform", "log_uniform", "choose"}
@@ -93,7 +90,7 @@ def read_study(path: Path) -> Study:
             refuse_keys(found, known, f"{path}: {name}")
         return found
 
-    draw, search, until = part("draw", _DRAW_KEYS), part("search", _SEARCH_KEYS), part("until", UNTIL_KEYS)
+    draw, search = part("draw", _DRAW_KEYS), part("search", _SEARCH_KEYS)
     try:
         study = Study(
             path=path,
@@ -104,19 +101,16 @@ def read_study(path: Path) -> Study:
             common=dict(part("set")),
             wanted=dict(part("wanted")),
             vary=_links(content.get("vary") or {}),
+            phases=read_phases(content["phases"], f"{path}: phase") if "phases" in content else (),
             draws=_draws(draw, f"{path}: draw") if draw else None,
             has_nominal=bool(draw.get("nominal", False)),
-            has_baseline=bool(content.get("baseline", False)),
             has_adviser=bool(content.get("adviser", True)),
             has_screening=bool(content.get("screening", False)),
             search=_search(search) if search else None,
-            refinement=read_until(until, f"{path}: until") if until else None,
             ask=dict(part("ask")),
         )
         if study.search is not None and (study.draws is None or study.vary):
             raise ValueError("search: needs a draw, whose space it searches, and no vary")
-        if study.search is not None and study.refinement is not None:
-            raise ValueError("until: is not for a search")
     except (TypeError, ValueError) as error:
         raise error if isinstance(error, ParameterError) else ParameterError(f"{path}: {error}") from error
     return study

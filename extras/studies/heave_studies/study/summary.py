@@ -18,7 +18,7 @@ import numpy as np
 import pandas
 from heave_bags.analyse import kpi_set
 from heave_bringup.output import FittedTable, make_table
-from heave_bringup.run.criteria import BASELINE_LAW, LAW
+from heave_bringup.run.criteria import LAW
 from heave_node import kpi
 from heave_node.numerics.arrays import Array
 from heave_node.numerics.randomness import random_stream
@@ -28,28 +28,26 @@ from scipy import stats
 
 from heave_studies.study.case_file import CASE
 from heave_studies.study.plan import Case
-from heave_studies.study.sampling import SALTELLI, Draws, load_salib, problem
+from heave_studies.study.sampling import SALTELLI, Draws, problem
 from heave_studies.study.table import (
-    BASELINE_EFFICIENCY,
-    BASELINE_UNKNOWN,
     LOST,
     MET,
     MISSED,
     NOMINAL,
     OUTCOME,
     REASON,
+    SCREENED,
     SEED,
     SILENT,
     SILENT_START,
     settings_of,
 )
-from heave_studies.study.workers import FAILURE
+from heave_studies.study.workers import FAILURE, optional
 
 SHOWN = {
     "unit_sigma_m": "load",
     "uncompensated_sigma_m": "locked",
     "unit_efficiency": "effic.",
-    BASELINE_EFFICIENCY: "baseline",
     "rope_safety_factor": "rope",
     "time_at_limit_percent": "at limit",
     "winch_speed_max_mps": "speed",
@@ -85,7 +83,7 @@ MOST_REMARKS = 20
 MOST_GROUPS = 8
 """Values of a parameter that the summary has a column for."""
 
-SELDOM_KNOWN = (BASELINE_EFFICIENCY, "rope_safety_factor")
+SELDOM_KNOWN = ("rope_safety_factor",)
 """Columns that are omitted where no case has a value."""
 
 
@@ -167,7 +165,7 @@ def _cells(row: dict[object, object], settings: list[str], keys: list[str]) -> l
     if row[FAILURE]:
         return [*head, *[""] * len(keys), "failed"]
     values = {key: float(row[key]) for key in keys}  # type: ignore[arg-type]
-    remark = "lost" if row[LOST] else "missed" if row[MISSED] else ""
+    remark = "lost" if row[LOST] else "missed" if row[MISSED] else "screened" if row.get(SCREENED) else ""
     cells = [kpi_set.DEFINITION_OF[key].text(value) for key, value in values.items()]
     return [*head, *cells, remark]
 
@@ -181,18 +179,6 @@ def remarks(frame: pandas.DataFrame) -> list[str]:
         found += [f"case {row[CASE]}: {text}"] if text else []
     more = f"and {len(found) - MOST_REMARKS} cases more, see table.csv"
     return [*found[:MOST_REMARKS], *([more] if len(found) > MOST_REMARKS else [])]
-
-
-def left_out(frame: pandas.DataFrame) -> list[str]:
-    """Return the line below the table of a `frame` that says where, and why, the baseline is not in it; or none."""
-    unknown = frame[frame[BASELINE_UNKNOWN] != ""]
-    if len(unknown):
-        some = f"of {len(unknown)} of {len(frame)} cases is unknown; case {unknown[CASE].iloc[0]}"
-        which = "is unknown" if len(unknown) == len(frame) else some
-        return [f"the baseline {which}: {unknown[BASELINE_UNKNOWN].iloc[0]}"]
-    if frame[BASELINE_EFFICIENCY].notna().any() or (frame[FAILURE] != "").all():
-        return []
-    return [f"To add the efficiency of law {BASELINE_LAW} beside each case: --baseline"]
 
 
 def summary_table(frame: pandas.DataFrame) -> Table:
@@ -386,7 +372,7 @@ def sobol_indices(draws: Draws, frame: pandas.DataFrame, kpi: str) -> dict[str, 
     values = frame.loc[~frame[NOMINAL], kpi].to_numpy(dtype=float)
     if draws.method != SALTELLI or len(values) != len(draws.points()) or not np.isfinite(values).all():
         raise ParameterError("Sobol' indices need every case of draws by method saltelli, with one seed")
-    analyse = load_salib("Sobol' indices").analyze.sobol.analyze
+    analyse = optional("SALib.analyze.sobol", "Sobol' indices", "sensitivity").analyze
     found = analyse(problem(len(draws.names)), values, calc_second_order=False, seed=draws.seed)
     return {
         name: (float(first), float(total))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Mapping, Sequence
 from types import MappingProxyType
@@ -11,27 +10,25 @@ import pandas
 from heave_bags.analyse import kpi_set
 from heave_bringup.scenarios import named_files
 
-from heave_studies.study.case_file import CASE, FILES, SCENARIO, KeptFile
+from heave_studies.study.case_file import CASE, FILES, SCENARIO, ReadFile, to_text
 from heave_studies.study.runs import CaseResult, Task
 from heave_studies.study.workers import FAILURE
 
 SEED, NOMINAL = "seed", "nominal"
 LOST, REASON, MET, MISSED, SHARE = "lost", "reason", "met", "missed", "compensating_share"
-BASELINE_UNKNOWN, BREACHES = "baseline_unknown", "breaches"
+BREACHES = "breaches"
 SCREENED, FLAG = "screened", "flag"
-OUTCOME = (FAILURE, LOST, REASON, MET, MISSED, BREACHES, SHARE, BASELINE_UNKNOWN, SCREENED, FLAG)
+OUTCOME = (FAILURE, LOST, REASON, MET, MISSED, BREACHES, SHARE, SCREENED, FLAG)
 """Columns with what became of a case, before its figures of merit."""
 
 SILENT, SILENT_START = "silent_minute", "silent_minute_start_s"
 """Columns with the worst minute that no alarm announced: s(z) / s(z_off) over it [-], and when it begins [s]."""
 
-BASELINE_EFFICIENCY = "baseline_efficiency"
-
-NO_FILES: Mapping[str, KeptFile] = MappingProxyType({})
+NO_FILES: Mapping[str, ReadFile] = MappingProxyType({})
 
 
 def case_frame(
-    tasks: Sequence[Task], results: Sequence[CaseResult], files: Mapping[str, KeptFile] = NO_FILES
+    tasks: Sequence[Task], results: Sequence[CaseResult], files: Mapping[str, ReadFile] = NO_FILES
 ) -> pandas.DataFrame:
     """Return a row for each case: number, seed, settings by place, outcome, figures of merit, the whole scenario.
 
@@ -46,26 +43,9 @@ def case_frame(
     frame = pandas.DataFrame(
         rows, columns=[CASE, SEED, NOMINAL, *settings, *OUTCOME, SILENT, SILENT_START, *keys, SCENARIO, FILES]
     )
-    _fill_in_baselines(frame, tasks)
     for place in settings:
         frame[place] = _of_one_type(frame[place])
     return frame.astype(dict.fromkeys((SILENT, SILENT_START, *keys), float))
-
-
-def _fill_in_baselines(frame: pandas.DataFrame, tasks: Sequence[Task]) -> None:
-    """Fill in the efficiency of the baseline law, or why it failed, where a case differs from another by its law only.
-
-    Parameters
-    ----------
-    frame : a row for each case
-    tasks : of the cases, in their order
-    """
-    row_of = {task.but_for_law: row for row, task in zip(frame.index, tasks, strict=True) if task.is_baseline}
-    for row, task in zip(frame.index, tasks, strict=True):
-        same_sea = row_of.get(task.but_for_law)
-        if same_sea is not None:
-            frame.loc[row, BASELINE_EFFICIENCY] = frame.loc[same_sea, "unit_efficiency"]
-            frame.loc[row, BASELINE_UNKNOWN] = frame.loc[same_sea, FAILURE]
 
 
 def settings_of(frame: pandas.DataFrame) -> list[str]:
@@ -84,9 +64,8 @@ def alike(frame: pandas.DataFrame, *but_for: str) -> list[list[int]]:
     return list(groups.values())
 
 
-def _row(task: Task, result: CaseResult, files: Mapping[str, KeptFile]) -> dict[str, object]:
+def _row(task: Task, result: CaseResult, files: Mapping[str, ReadFile]) -> dict[str, object]:
     case = result.case
-    read = {path: files[path].digest for path in named_files(task.scenario) if path in files}
     share = None if math.isnan(result.compensating) else result.compensating
     return {
         CASE: case.number,
@@ -100,14 +79,13 @@ def _row(task: Task, result: CaseResult, files: Mapping[str, KeptFile]) -> dict[
         MISSED: "; ".join(result.missed),
         BREACHES: "; ".join(result.breaches),
         SHARE: share,
-        BASELINE_UNKNOWN: result.baseline_unknown,
         SCREENED: result.is_screened,
         FLAG: result.flag,
         SILENT: result.minute.ratio,
         SILENT_START: result.minute.start,
         **result.kpis,
         SCENARIO: task.text,
-        FILES: json.dumps(read) if read else "",
+        FILES: to_text(files[path] for path in named_files(task.scenario) if path in files),
     }
 
 

@@ -8,6 +8,7 @@ import signal
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
+from importlib import import_module
 from itertools import islice
 from typing import Any
 
@@ -58,7 +59,7 @@ def workers(processes: int | None = None, address: str | None = None) -> Iterato
     if processes == 1 and not address:
         yield run_here
         return
-    dask = _load_dask(f"--dask {address}" if address else f"--processes {processes}")
+    dask = optional("distributed", f"--dask {address}" if address else f"--processes {processes}", "studies")
     with _patience(), _client(dask, processes, address) as client:
         yield lambda jobs: _run_on(dask, client, jobs)
 
@@ -75,12 +76,22 @@ def _patience() -> Any:
     return dask.config.set({"distributed.scheduler.allowed-failures": 0})  # type: ignore[attr-defined]
 
 
-def _load_dask(what: str) -> Any:
+def optional(module: str, what: str, extra: str) -> Any:
+    """Return a `module` that may be missing.
+
+    Parameters
+    ----------
+    module : its dotted name
+    what : needs it, for the message
+    extra : of the suite that installs it
+
+    Raises ParameterError where it is not installed.
+    """
     try:
-        import distributed  # noqa: PLC0415 - half a second
+        return import_module(module)
     except ImportError as error:
-        raise ParameterError(f"{what}: needs the package distributed; {how_to_install('studies')}") from error
-    return distributed
+        package = module.partition(".")[0]
+        raise ParameterError(f"{what}: needs the package {package}; {how_to_install(extra)}") from error
 
 
 @contextmanager

@@ -48,8 +48,8 @@ STALE = "stale"
 FAR = 5.0
 """Standard deviations of what was known before above which an identified value is none of cable, unit or MRU."""
 
-ADDS_UP = 0.4
-"""Distance from 1 up to which what drum and unit share of the boom tip's heave adds up."""
+CHECK = "check unit, sign and column of MRU, encoder and depth sensor; length, cable and unit; load cell"
+"""What to check where a record does not fit what is assumed."""
 
 SELDOM = 0.05
 """Time at limits that a table shows as none [%]."""
@@ -149,25 +149,15 @@ def check_fit(known: Known, off: float, where: str) -> None:
     if known.left > LARGEST_LEFT * off:
         raise CommandError(
             f"{where}: the twin misses the depth by {100.0 * known.left:.1f} cm of {100.0 * off:.1f} cm (sigma): "
-            f"{_check_words(known)}"
+            f"{CHECK}"
         )
     for name, value in known.fit.values.items():
         off_prior = known.fit.off_prior(name)
         if off_prior > FAR:
             raise CommandError(
                 f"{where}: {name} is identified as {value:.3g}, {off_prior:.0f} standard deviations from what was "
-                f"known before: {_check_words(known)}"
+                f"known before: {CHECK}"
             )
-
-
-def _check_words(known: Known) -> str:
-    """Return what to check where a record does not fit what is assumed, by what is `known` of it, in words."""
-    drum, unit = known.evidence.shares
-    shares = f"of the boom tip's heave the drum takes out {drum:.2f} and the unit shows {unit:.2f}"
-    if abs(drum + unit - 1.0) < ADDS_UP:
-        return f"check length, cable and unit, depth sensor and load cell; MRU and encoder fit together: {shares}"
-    wrong = "the sign" if drum + unit < 0.0 else "the unit or the column"
-    return f"{wrong} of MRU, encoder or depth sensor is wrong: {shares}, which should add up to 1"
 
 
 def reported(known: Known) -> list[tuple[str, bool, str]]:

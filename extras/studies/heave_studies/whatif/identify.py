@@ -184,20 +184,6 @@ class Evidence:
         step = float(self.omegas[1] - self.omegas[0])
         return math.sqrt(float(np.sum(power)) * step / math.pi)
 
-    @property
-    def shares(self) -> tuple[float, float]:
-        """Share of the boom tip's heave that the drum takes out, and share that the unit shows of it [-].
-
-        In phase, in the band of waves, under cable and unit as assumed. They add up to about 1, whatever the law,
-        unless a unit, a sign or a column is wrong.
-        """
-        # a sensor in another unit does not make cable and unit fast
-        slowest = min(self._speeds)
-        gain = gains_over_top(self.assumed, self.nominal.length, self.omegas, Speeds(slowest, slowest))[0]
-        of = Transform(self.record.time, self.omegas, self.start, self.end)
-        tip, drum = of(self.source.plain.heave), of(self.winch.payout)
-        return _in_phase(drum, tip, tip), _in_phase(self.seen[0], gain * tip, tip)
-
     @cached_property
     def _speeds(self) -> Speeds:
         """Speeds by which drag is linearised: of the unit as read, and of the outlet."""
@@ -208,15 +194,6 @@ class Evidence:
         # one-sided density over omega: twice the power over 2 pi
         unit = math.sqrt(float(np.sum(self.omegas**2 * power)) * step / math.pi)
         return Speeds(unit, float(np.std(outlet[inside])))
-
-
-def _in_phase(moved: ComplexArray, by: ComplexArray, waves: ComplexArray) -> float:
-    """Return how many times a motion `by` is in another that it `moved` at most of the power of `waves`.
-
-    All are transforms (k,); near a resonance that is elsewhere than assumed it is anything.
-    """
-    times = (moved / by).real
-    return float(np.quantile(times, 0.5, weights=np.abs(waves) ** 2, method="inverted_cdf"))
 
 
 STEPS = {

@@ -212,8 +212,6 @@ class Disturbance(NamedTuple):
     heave: Array  # at each tick, about its mean, positive up (n,) [m]
     waves: float  # standard deviation of it where waves are [m]
     left: float  # standard deviation of the sensor's noise that is in it [m]
-    noise: float  # standard deviation of a depth reading [m]
-    chi2: float  # mean square of the twin's error over that of the noise, where waves are [-]
 
 
 def disturbance(readings: Array, time: Array, twin: Array, stated_noise: float) -> Disturbance:
@@ -239,8 +237,6 @@ def disturbance(readings: Array, time: Array, twin: Array, stated_noise: float) 
         heave=np.interp(time, grid, found.values),
         waves=math.sqrt(float(np.sum((found.kept * found.smooth)[inside])) / count),
         left=math.sqrt(float(found.kept @ found.kept) * found.noise / count),
-        noise=math.sqrt(found.noise),
-        chi2=float(np.mean(found.power[inside]) / found.noise),
     )
 
 
