@@ -62,10 +62,10 @@ class Part:
         self.core.heave_core_sense_begin(*self.at)
 
 
-def gate_at(part, place):
+def gate_at(gates, place):
     """Return tolerances, sensor and gate of the sensor at a `place`."""
     row = slice(place, place + 1)
-    return part.design["health"], part.design["sensors"][0, row], part.memory["gates"][0, row]
+    return gates.design["health"], gates.design["sensors"][0, row], gates.memory["gates"][0, row]
 
 
 def take_back(gate, reason, is_news):
@@ -86,8 +86,8 @@ class SensorGate(Part, GateView):
         self.gate_at = gate_at(self, self.place)
         GateView.__init__(self, sensor, self.memory[0]["gates"][self.place], assumed, health)
 
-    def judge(self, now, time, values, status="", part=()):
-        """`part` is the first two of `values`, as an MRU has it."""
+    def judge(self, now, time, values, status=""):
+        """Return whether a reading is let through."""
         given = np.array(values, dtype=float)
         return part("judge", result=FLAG)(*self.gate_at, now, time, given, len(given), CODES[status])
 

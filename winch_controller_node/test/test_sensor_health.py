@@ -578,7 +578,7 @@ def times_lost(times, heaves):
     """Return when the MRU was taken for lost, one of heave alone [s]."""
     gate, lost, was_lost = SensorGate("mru", SensorTiming(DT), HealthParameters()), [], False
     for time, heave in zip(times, heaves, strict=True):
-        gate.judge(time, time, (heave, 0.0, 0.0, 0.0), "", (heave, 0.0))
+        gate.judge(time, time, (heave, 0.0, 0.0, 0.0))
         gate.tick(time)
         lost += [time] if gate.is_lost and not was_lost else []
         was_lost = gate.is_lost
