@@ -60,7 +60,7 @@ class ControllerEvents(OperatorRequests):
             self._estimation.begin_share()
         starts = mode.mode is Mode.COMPENSATING and before is not Mode.FADE_OUT
         if starts and before is Mode.CONSTANT_TENSION:
-            self._hand_over(loop)
+            self._hand_over(loop, unit_stood=False)
         elif starts or (mode.mode is Mode.FADE_OUT and before is Mode.CONSTANT_TENSION):
             self._estimation.return_to_mean(loop)
             # what follows the sea is not leftover payout
@@ -70,30 +70,27 @@ class ControllerEvents(OperatorRequests):
     def _act_on(self, landing: LandingEvent | None, loop: LoopTick) -> None:
         """Hold the tension of a unit that has landed, compensate one that hangs again.
 
-        Without the load cell no tension can be held: the winch goes on compensating over a slack rope.
+        Without the load cell no tension can be held: the winch goes on compensating, as if the unit hung.
         """
         if landing is None:
             return
         parameters, is_weighed = self.parameters.tension, self._supervisor.landing.is_weighed
         if landing is LandingEvent.TOUCHDOWN:
             self.mean.halt(self.parameters.modes.stop_deceleration)
-        if not is_weighed:
-            if landing is LandingEvent.LIFTED_OFF:
-                self._hand_over(loop, stood_under=self.design.wet_tension)
-        elif landing is LandingEvent.TOUCHDOWN:
+        if is_weighed and landing is LandingEvent.TOUCHDOWN:
             was = self.mode
             self.modes.touch_down()
             relief = (1.0 - parameters.landing_ratio) * self.design.unit_weight
             self._hold_tension(self.design.wet_tension - relief, was=was)
-        else:
+        elif is_weighed:
             self.modes.lift_off()
-            self._hand_over(loop, stood_under=loop.filtered_tension)
+            self._hand_over(loop, unit_stood=True)
             self.mean.move_to(self.mean.point.payout - parameters.lift_height)
         self._alarms.append(ALARMS.alarm(landing.value, then=THEN[landing, is_weighed]))
 
-    def _hand_over(self, loop: LoopTick, *, stood_under: float | None = None) -> None:
-        """Make the present depth of the unit, which `stood_under` a tension [N] until now, the mean."""
-        self._estimation.hand_over(loop, stood_under=stood_under)
+    def _hand_over(self, loop: LoopTick, *, unit_stood: bool) -> None:
+        """Make the present depth of the unit the mean and go on from there."""
+        self._estimation.hand_over(loop, unit_stood=unit_stood)
         restart(self, Event.FOLLOWS)
 
     def under(self, nominal: WinchControllerParameters) -> WinchControllerParameters:

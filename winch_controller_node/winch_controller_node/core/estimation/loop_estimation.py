@@ -374,14 +374,14 @@ class LoopEstimation:
         self._look.continue_shadow(tick.unit + tick.payout, tick.unit_rate + tick.payout_rate)
         self._look.continue_hanging(unit, unit_rate)
 
-    def hand_over(self, tick: LoopTick, *, stood_under: float | None = None) -> None:
-        """Make the present depth of the unit the mean and go on from `tick`.
+    def hand_over(self, tick: LoopTick, *, unit_stood: bool) -> None:
+        """Make the present depth of the unit the mean and go on from `tick`; `unit_stood` on the seabed until now.
 
-        `stood_under` is the tension [N] at the top of a unit that stood on the seabed until now. See `handover`.
+        See `handover`.
         """
         now = (self._design.model, self.estimator.estimate, self.estimator.covariance, self.motion.state)
-        if stood_under is not None:
-            pull = (stood_under - self._design.wet_tension) / self._design.cable.stiffness
+        if unit_stood:
+            pull = (tick.filtered_tension - self._design.wet_tension) / self._design.cable.stiffness
             mean_state = followed(self._design.model, self.motion.state)
             heave = self.observer.unit_heave_reading(mean_state, tick.rows.unit_states[0])
             after = hand_over_standing(*now, pull=pull, heave=heave)
