@@ -114,7 +114,7 @@ def test_a_file_holds_a_row_for_each_code_and_one_for_each_part_and_reason(tmp_p
         AlarmRow("SENSOR_LOST, MRU", Severity.LOW, "mru", "heave jumps", "Compensation fades out", reason="jumps"),
         SLACK,
     ]
-    assert table["SENSOR_LOST, IMU: jump"] in table.of_code("SENSOR_LOST, IMU")
+    assert table["SENSOR_LOST, IMU: jumps"] in table.of_code("SENSOR_LOST, IMU")
 
 
 @pytest.mark.parametrize(
