@@ -17,17 +17,11 @@ from winch_controller_node.parameters.model import WinchModelParameters
 
 @dataclass(frozen=True)
 class PreparedDesign:
-    """A design that could be active.
+    """A design that could be active."""
 
-    Attributes
-    ----------
-    parameters : that it was made from
-    design, law : the law at its initial state
-    """
-
-    parameters: WinchControllerParameters
-    design: ControllerDesign
-    law: ControlLaw
+    parameters: WinchControllerParameters  # that it was made from
+    design: ControllerDesign  # the active design
+    law: ControlLaw  # its law at the initial state
 
 
 class DesignInForce:

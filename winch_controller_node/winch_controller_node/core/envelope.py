@@ -78,22 +78,14 @@ FREE, RESTS, LIMITED = (
 
 
 class Asked(NamedTuple):
-    """What an operator has asked for, by a mode and its requests.
+    """What an operator has asked for, by a mode and its requests."""
 
-    Attributes
-    ----------
-    mode : active
-    move : last request for the mean payout
-    tension : to hold [N]; NaN: none
-    lift_rate : at which the mean payout is carried along where the place moves about which the tip heaves [m/s]
-    is_damped_blind : a fade-out damps the unit by the depth sensor alone
-    """
-
-    mode: Mode
-    move: MoveRequest
-    tension: float = math.nan
+    mode: Mode  # active
+    move: MoveRequest  # last request for the mean payout
+    tension: float = math.nan  # to hold [N]; NaN: none
+    # at which the mean payout is carried along where the place moves about which the tip heaves [m/s]
     lift_rate: float = 0.0
-    is_damped_blind: bool = False
+    is_damped_blind: bool = False  # a fade-out damps the unit by the depth sensor alone
 
 
 def nominal_design(parameters: WinchControllerParameters, cable: CableModel, tick_period: float) -> dict[str, Any]:

@@ -115,56 +115,31 @@ def commander(
 
 
 class TickCommand(NamedTuple):
-    """The command of a tick, in the terms of the model.
+    """The command of a tick, in the terms of the model."""
 
-    Attributes
-    ----------
-    asked : by the law, without the mean payout's share
-    governed : what left in the end, the mean payout's share included
-    standing : command under which the winch would stay where it is
-    """
-
-    asked: LawCommand
-    governed: GovernedCommand
-    standing: float
+    asked: LawCommand  # by the law, without the mean payout's share
+    governed: GovernedCommand  # what left in the end, the mean payout's share included
+    standing: float  # command under which the winch would stay where it is, in its unit
 
 
 class Beside(NamedTuple):
-    """What else the acting half of a tick works on.
+    """What else the acting half of a tick works on."""
 
-    Attributes
-    ----------
-    motion : mean payout
-    envelope : in front of the winch
-    kpi : window of the figures of merit
-    load : alarms of load and winch
-    """
-
-    motion: MeanMotion
-    envelope: OrderEnvelope
-    kpi: KpiWindow
-    load: LoadWatch
+    motion: MeanMotion  # mean payout
+    envelope: OrderEnvelope  # in front of the winch
+    kpi: KpiWindow  # window of the figures of merit
+    load: LoadWatch  # alarms of load and winch
 
 
 class Tick(NamedTuple):
-    """What a tick goes by.
+    """What a tick goes by."""
 
-    Attributes
-    ----------
-    loop : what is known of it
-    decision : what is to be done
-    static_tension : under the hanging unit at rest [N]
-    is_at_limit : a limit of the winch that a sea takes it to acts
-    stated_payout : payout that was read before it is known to be the mean one [m]; NaN: it is known
-    encoder : that counts
-    """
-
-    loop: LoopTick
-    decision: Decision
-    static_tension: float
-    is_at_limit: bool
-    stated_payout: float
-    encoder: EncoderGate
+    loop: LoopTick  # what is known of it
+    decision: Decision  # what is to be done
+    static_tension: float  # under the hanging unit at rest [N]
+    is_at_limit: bool  # a limit of the winch that a sea takes it to acts
+    stated_payout: float  # payout that was read before it is known to be the mean one [m]; NaN: it is known
+    encoder: EncoderGate  # that counts
 
 
 class LoopCommand:

@@ -14,23 +14,14 @@ from winch_controller_node.model.estimator import KalmanEstimator
 
 
 class Known(NamedTuple):
-    """What a report is made of beside the tick.
+    """What a report is made of beside the tick."""
 
-    Attributes
-    ----------
-    design, law : the active ones
-    estimator : of the loop
-    depth_set_point : payout about which the winch works [m]
-    sensors : how each is seen
-    reason : why the mode is what it is
-    """
-
-    design: ControllerDesign
-    law: ControlLaw
-    estimator: KalmanEstimator
-    depth_set_point: float
-    sensors: tuple[SensorState, ...]
-    reason: str
+    design: ControllerDesign  # the active design
+    law: ControlLaw  # the active law
+    estimator: KalmanEstimator  # of the loop
+    depth_set_point: float  # payout about which the winch works [m]
+    sensors: tuple[SensorState, ...]  # how each is seen
+    reason: str  # why the mode is what it is
 
 
 def state_report(loop: LoopTick, decision: Decision, command: TickCommand, order: WinchOrder, known: Known) -> Report:

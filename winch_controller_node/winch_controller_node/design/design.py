@@ -52,34 +52,22 @@ LONGEST_DELAY = 5.0
 
 @dataclass(frozen=True, eq=False)
 class ControllerDesign:
-    """Everything a control law needs for one deployed length. All in SI, states by `model.state_names`.
+    """Everything a control law needs for one deployed length. All in SI, states by `model.state_names`."""
 
-    Attributes
-    ----------
-    parameters, tick_period, length : what it was designed for
-    cable : its two-state cable
-    model : sampled augmented model; one input, the command
-    measurements : what the estimator may be given, by name: mru_heave, mru_heave_rate, unit_heave (from depth, positive
-        up, about the expected mean), payout (encoder), unit_velocity, unit_acceleration, tension (about the static one)
-    initial_covariance : of the estimate at the start, shape (n, n)
-    gain : u = -gain x, shape (n,): optimum for all states (thesis 6.3), zero for sensor states
-    cost : of the model's states
-    sigma : stationary standard deviation of each output with the winch locked
-    sea_noise : what the waves contribute to the process noise of a tick, shape (n, n)
-    own_gains : of the law that the parameters name, made beforehand, shape (n,) each; empty: the law makes them itself
-    """
-
-    parameters: WinchControllerParameters
-    tick_period: float
-    length: float
-    cable: CableModel
-    model: LinearModel
+    parameters: WinchControllerParameters  # of the controller
+    tick_period: float  # [s]
+    length: float  # deployed, that it was designed for [m]
+    cable: CableModel  # its two-state cable
+    model: LinearModel  # sampled augmented model; one input, the command
+    # what the estimator may be given, by name: mru_heave, mru_heave_rate, unit_heave (from depth, positive up, about
+    # the expected mean), payout (encoder), unit_velocity, unit_acceleration, tension (about the static one)
     measurements: tuple[MeasurementModel, ...]
-    initial_covariance: Array
-    gain: Array
-    cost: QuadraticCost
-    sigma: dict[str, float]
-    sea_noise: Array
+    initial_covariance: Array  # of the estimate at the start, shape (n, n)
+    gain: Array  # u = -gain x, shape (n,): optimum for all states (thesis 6.3), zero for sensor states
+    cost: QuadraticCost  # of the model's states
+    sigma: dict[str, float]  # stationary standard deviation of each output with the winch locked
+    sea_noise: Array  # what the waves contribute to the process noise of a tick, shape (n, n)
+    # of the law that the parameters name, made beforehand, shape (n,) each; empty: the law makes them itself
     own_gains: Mapping[str, Array] = field(default_factory=dict)
 
     @property

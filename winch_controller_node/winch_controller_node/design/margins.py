@@ -18,21 +18,13 @@ FREQUENCIES = 2000
 
 @dataclass(frozen=True)
 class Margins:
-    """Margins of a loop gain L, broken at the command.
+    """Margins of a loop gain L, broken at the command."""
 
-    Attributes
-    ----------
-    gain_up, gain_down : factors by which the loop gain may grow and shrink; inf and 0: without limit
-    phase : smallest phase to instability at abs(L) = 1 [rad]; inf: never 1
-    delay : smallest further delay to instability [s]; inf: none
-    sensitivity_peak : largest abs(1/(1 + L)) [-]
-    """
-
-    gain_up: float
-    gain_down: float
-    phase: float
-    delay: float
-    sensitivity_peak: float
+    gain_up: float  # factor by which the loop gain may grow [-]; inf: without limit
+    gain_down: float  # factor by which the loop gain may shrink [-]; 0: without limit
+    phase: float  # smallest phase to instability at abs(L) = 1 [rad]; inf: never 1
+    delay: float  # smallest further delay to instability [s]; inf: none
+    sensitivity_peak: float  # largest abs(1/(1 + L)) [-]
 
 
 def frequencies(tick_period: float) -> Array:

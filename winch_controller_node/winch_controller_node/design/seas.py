@@ -89,40 +89,25 @@ waves break."""
 
 @dataclass(frozen=True)
 class SeaSeen:
-    """A sea as it was seen.
+    """A sea as it was seen."""
 
-    Attributes
-    ----------
-    waves : that were seen
-    heave, frequency : standard deviation [m] and mean frequency [rad/s] of the boom tip
-    is_settled : it was seen for so long that it does not grow any more
-    is_refuted : the sea of the design cannot be the one that is there
-    """
-
-    waves: float
-    heave: float
-    frequency: float
-    is_settled: bool = True
-    is_refuted: bool = False
+    waves: float  # number of waves that were seen [-]
+    heave: float  # standard deviation of the boom tip's heave [m]
+    frequency: float  # mean frequency of the boom tip [rad/s]
+    is_settled: bool = True  # it was seen for so long that it does not grow any more
+    is_refuted: bool = False  # the sea of the design cannot be the one that is there
 
 
 @dataclass(frozen=True)
 class PossibleSeas:
-    """Seas that may be there.
+    """Seas that may be there."""
 
-    Attributes
-    ----------
-    seen : what all of them must explain
-    assumed : the sea assumed at first
-    in_force : that of the design, as high as was seen
-    stretched : that assumed at first, as long and as high as was seen; None: the active one is as good
-    parts : of which one part, swell or wind sea, is as assumed, and that move the boom tip as was seen
-    """
-
-    seen: SeaSeen
-    assumed: SeaModelParameters
-    in_force: SeaModelParameters
+    seen: SeaSeen  # what all of them must explain
+    assumed: SeaModelParameters  # the sea assumed at first
+    in_force: SeaModelParameters  # that of the design, as high as was seen
+    # that assumed at first, as long and as high as was seen; None: the active one is as good
     stretched: SeaModelParameters | None
+    # of which one part, swell or wind sea, is as assumed, and that move the boom tip as was seen
     parts: list[SeaModelParameters]
 
     @property

@@ -44,44 +44,25 @@ MEASURED_WORDS = {
 
 
 class MeasurementRow(NamedTuple):
-    """A scalar that the estimator takes: (1 + scale_state) (output + state), with white noise.
+    """A scalar that the estimator takes: (1 + scale_state) (output + state), with white noise."""
 
-    Attributes
-    ----------
-    name : of the measurement
-    output : of the augmented model
-    sigma : standard deviation of the noise, in the sensor's unit
-    unit : that unit, in words; empty where it is the static tension
-    state : slow state of the sensor that adds to the output, where the model has it; empty: none
-    scale_state : slow state that is its relative error of scale, where the model has it; empty: none
-    is_gated : False: never refused for being far off its prediction
-    largest_stated : largest standard deviation that the sensor may state, in its unit
-    """
-
-    name: str
-    output: str
-    sigma: float
-    unit: str
-    state: str = ""
-    scale_state: str = ""
-    is_gated: bool = True
-    largest_stated: float = LARGEST_NOISE
+    name: str  # of the measurement
+    output: str  # of the augmented model
+    sigma: float  # standard deviation of the noise [unit of the sensor]
+    unit: str  # that unit, in words; empty where it is the static tension
+    state: str = ""  # slow state of the sensor that adds to the output, where the model has it; empty: none
+    scale_state: str = ""  # slow state that is its relative error of scale, where the model has it; empty: none
+    is_gated: bool = True  # False: never refused for being far off its prediction
+    largest_stated: float = LARGEST_NOISE  # largest standard deviation that the sensor may state, in its unit
 
 
 @dataclass(frozen=True)
 class SlowState:
-    """An error of a sensor that the estimator follows.
+    """An error of a sensor that the estimator follows."""
 
-    Attributes
-    ----------
-    name : of the state
-    drift : its random walk, in the sensor's unit over sqrt(s)
-    sigma : standard deviation at the start, in the sensor's unit
-    """
-
-    name: str
-    drift: float
-    sigma: float
+    name: str  # of the state
+    drift: float  # its random walk [unit of the sensor over sqrt(s)]
+    sigma: float  # standard deviation at the start [unit of the sensor]
 
 
 class Zero(Enum):

@@ -20,14 +20,9 @@ FREE = "free"
 
 
 class PlanMaker(Protocol):
-    """Makes plans at the limits of the winch: see `laws.mpc.Planner`.
+    """Makes plans at the limits of the winch: see `laws.mpc.Planner`."""
 
-    Attributes
-    ----------
-    last : command of the last plan, but for its value
-    """
-
-    last: LawCommand
+    last: LawCommand  # command of the last plan, but for its value
 
     def restart(self) -> None:
         """Discard the plan."""

@@ -24,42 +24,26 @@ from winch_controller_node.parameters.model import WeightParameters, WinchModelP
 
 @dataclass(frozen=True, eq=False)
 class LawDesign:
-    """What a law is made for.
+    """What a law is made for."""
 
-    Attributes
-    ----------
-    model : augmented model, sampled at the ticks; one input, the command
-    winch : the winch that it describes
-    limits : of that winch, to be kept
-    weights : of the quadratic cost
-    gain : optimal gain of all states under these weights, u = -gain x, shape (n,); scheduled over length where there
-        is a schedule
-    own_gains : as `ControlLaw.own_gains` gives them, made beforehand; empty: the law makes them itself
-    """
-
-    model: LinearModel
-    winch: WinchModelParameters
-    limits: WinchLimits
-    weights: WeightParameters
+    model: LinearModel  # augmented model, sampled at the ticks; one input, the command
+    winch: WinchModelParameters  # the winch that it describes
+    limits: WinchLimits  # of that winch, to be kept
+    weights: WeightParameters  # of the quadratic cost
+    # optimal gain of all states under these weights, u = -gain x, shape (n,); scheduled over length where there is a
+    # schedule
     gain: Array
+    # as `ControlLaw.own_gains` gives them, made beforehand; empty: the law makes them itself
     own_gains: Mapping[str, Array] = field(default_factory=dict)
 
 
 class LawCommand(NamedTuple):
-    """What a law asks for.
+    """What a law asks for."""
 
-    Attributes
-    ----------
-    value : share of the command that compensates [m/s] (or [m], first-order winch)
-    status : of the solver, empty for laws without one
-    iterations : of the solver
-    active : limits that shape the plan
-    """
-
-    value: float
-    status: str = ""
-    iterations: int = 0
-    active: tuple[str, ...] = ()
+    value: float  # share of the command that compensates [m/s] (or [m], first-order winch)
+    status: str = ""  # of the solver, empty for laws without one
+    iterations: int = 0  # of the solver
+    active: tuple[str, ...] = ()  # limits that shape the plan
 
 
 class ControlLaw(ABC):

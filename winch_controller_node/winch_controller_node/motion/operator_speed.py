@@ -16,20 +16,13 @@ from winch_controller_node.parameters.laws import OperatorParameters
 
 @dataclass(frozen=True, slots=True)
 class OperatorRange:
-    """What the operator may use of the winch; compensation has what that leaves.
+    """What the operator may use of the winch; compensation has what that leaves."""
 
-    Attributes
-    ----------
-    speed, acceleration : largest [m/s], [m/s^2]
-    payout_minimum, payout_maximum : ends of the range [m]
-    lag : with which the mean payout goes to another speed [s]
-    """
-
-    speed: float
-    acceleration: float
-    payout_minimum: float
-    payout_maximum: float
-    lag: float
+    speed: float  # largest [m/s]
+    acceleration: float  # largest [m/s^2]
+    payout_minimum: float  # lower end of the range [m]
+    payout_maximum: float  # upper end of the range [m]
+    lag: float  # with which the mean payout goes to another speed [s]
 
     def nearest(self, speed: float, payout: float) -> float:
         """Return the nearest speed to the one asked for from which the mean payout comes to rest within the range.

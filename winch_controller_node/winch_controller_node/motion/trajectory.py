@@ -29,26 +29,16 @@ class MovePoint(NamedTuple):
 
 
 class MoveRequest(NamedTuple):
-    """What was last asked of the mean payout, as whoever makes the move a second time must know it.
+    """What was last asked of the mean payout, as whoever makes the move a second time must know it."""
 
-    Attributes
-    ----------
-    number : counts requests
-    kind : "go" to a target, "stop" smoothly, "halt", "drive" at a speed, "stand": it is elsewhere now, at rest
-    distance : to the target [m]
-    target : payout to go to [m]; NaN: it goes nowhere, or not by payout
-    speed : largest, or asked for [m/s]
-    acceleration : largest [m/s^2]
-    reference : distance by a depth sensor [m]; NaN: none
-    """
-
-    number: int = 0
+    number: int = 0  # counts requests
+    # "go" to a target, "stop" smoothly, "halt", "drive" at a speed, "stand": it is elsewhere now, at rest
     kind: str = "stand"
-    distance: float = 0.0
-    target: float = math.nan
-    speed: float = 0.0
-    acceleration: float = 0.0
-    reference: float = math.nan
+    distance: float = 0.0  # to the target [m]
+    target: float = math.nan  # payout to go to [m]; NaN: it goes nowhere, or not by payout
+    speed: float = 0.0  # largest, or asked for [m/s]
+    acceleration: float = 0.0  # largest [m/s^2]
+    reference: float = math.nan  # distance by a depth sensor [m]; NaN: none
 
 
 def approach_speed(distance: float, acceleration: float, lag: float) -> float:

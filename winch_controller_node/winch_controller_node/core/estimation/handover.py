@@ -28,18 +28,12 @@ SEEN_SIGMA = 0.05
 
 @dataclass(frozen=True, eq=False)
 class Handover:
-    """How the loop goes on.
+    """How the loop goes on."""
 
-    Attributes
-    ----------
-    estimate : shape (n,); covariance : shape (n, n); mean_state : the mean payout's own motion, shape (n,)
-    lowered : how much the mean payout becomes larger [m]
-    """
-
-    estimate: Array
-    covariance: Array
-    mean_state: Array
-    lowered: float
+    estimate: Array  # shape (n,)
+    covariance: Array  # shape (n, n)
+    mean_state: Array  # the mean payout's own motion, shape (n,)
+    lowered: float  # how much the mean payout becomes larger [m]
 
 
 def hand_over(model: LinearModel, estimate: Array, covariance: Array, mean_state: Array) -> Handover:

@@ -15,18 +15,11 @@ from winch_controller_node.parameters.laws import GuardParameters
 
 
 class AmplitudeLimit(NamedTuple):
-    """When an amplitude is too large.
+    """When an amplitude is too large."""
 
-    Attributes
-    ----------
-    time : memory of the amplitude [s]
-    ratio : largest amplitude over that of the reference
-    floor : amplitude that is never too large
-    """
-
-    time: float
-    ratio: float
-    floor: float = math.inf
+    time: float  # memory of the amplitude [s]
+    ratio: float  # largest amplitude over that of the reference [-]
+    floor: float = math.inf  # amplitude that is never too large, in its unit
 
 
 DRUM = AmplitudeLimit(time=2.0, ratio=1.5, floor=0.1)
@@ -113,24 +106,14 @@ WORTH = 0.01
 
 @dataclass(frozen=True)
 class GuardedLoop:
-    """What the guard must know of the loop it watches.
+    """What the guard must know of the loop it watches."""
 
-    Attributes
-    ----------
-    limits : of the winch
-    effort : of the law
-    inertia : a of the two-state cable [s^2]; 0: unknown
-    feeds_back_unit : the law feeds the unit's motion back, so that the loop can become unstable
-    keeps_limits : it keeps the winch's limits by itself
-    fade_time : shortest time over which authority goes from 0 to 1 or back [s]
-    """
-
-    limits: WinchLimits
-    effort: Effort = field(default_factory=Effort)
-    inertia: float = 0.0
-    feeds_back_unit: bool = True
-    keeps_limits: bool = False
-    fade_time: float = 10.0
+    limits: WinchLimits  # of the winch
+    effort: Effort = field(default_factory=Effort)  # of the law
+    inertia: float = 0.0  # a of the two-state cable [s^2]; 0: unknown
+    feeds_back_unit: bool = True  # the law feeds the unit's motion back, so that the loop can become unstable
+    keeps_limits: bool = False  # it keeps the winch's limits by itself
+    fade_time: float = 10.0  # shortest time over which authority goes from 0 to 1 or back [s]
 
 
 def guard_design(parameters: GuardParameters, loop: GuardedLoop, tick_period: float) -> dict[str, Any]:

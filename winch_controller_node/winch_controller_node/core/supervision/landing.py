@@ -80,24 +80,14 @@ STANDS, MAY_STAND, WEIGHED, UNLOADED, LIFTING, SHARE, EVENT = (
 
 @dataclass(frozen=True, slots=True)
 class HangingLoad:
-    """What is known of the load and its cable.
+    """What is known of the load and its cable."""
 
-    Attributes
-    ----------
-    static_tension : at the top while the unit hangs under water [N]
-    weight : of the unit in water [N]
-    stiffness : of the cable [N/m]
-    following_time : that the hanging unit needs to follow the winch, a quarter of its free swing [s]
-    swing_time : of a free swing or a wave, whichever is longer [s]
-    cable_weight : of the cable in water [N/m]
-    """
-
-    static_tension: float
-    weight: float
-    stiffness: float
-    following_time: float = 0.0
-    swing_time: float = 10.0
-    cable_weight: float = 0.0
+    static_tension: float  # at the top while the unit hangs under water [N]
+    weight: float  # of the unit in water [N]
+    stiffness: float  # of the cable [N/m]
+    following_time: float = 0.0  # that the hanging unit needs to follow the winch, a quarter of its free swing [s]
+    swing_time: float = 10.0  # of a free swing or a wave, whichever is longer [s]
+    cable_weight: float = 0.0  # of the cable in water [N/m]
 
     def weight_share(self, tension: float) -> float:
         """Return the share of the unit's weight that the cable carries under a `tension` at the top [N]."""

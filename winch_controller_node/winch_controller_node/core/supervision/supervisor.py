@@ -46,80 +46,44 @@ ASK_AGAIN = "check the cause, then request compensation"
 
 
 class WinchSituation(NamedTuple):
-    """Inputs of supervision about the winch and its commands.
+    """Inputs of supervision about the winch and its commands."""
 
-    Attributes
-    ----------
-    fault : the winch's own, 0 without
-    speed : as commanded [m/s], absolute
-    mean_payout : that the winch goes to [m]
-    settled_swing : swing of the unit at which a fade-out may end [m]
-    share : authority that is best with the winch as it is known, above 0
-    drum_error : drum less what was predicted of it a second ago [m]
-    inhibition : why compensation must be off; None: it need not
-    fault_cause : why the winch has its fault, in words; empty: unknown
-    is_reversed : drum or encoder are reversed: the winch is brought to rest until an operator releases it
-    mean_acceleration : with which the winch goes there [m/s^2]
-    envelope : why the envelope has taken over, in words; empty: it has not
-    proven : what follows from the proofs
-    cell_jumped : the load cell is off by a jump that no operator knows of
-    """
-
-    fault: int
-    speed: float
-    mean_payout: float
-    settled_swing: float
-    share: float = 1.0
-    drum_error: float = 0.0
-    inhibition: Alarm | None = None
-    fault_cause: str = ""
+    fault: int  # the winch's own, 0 without
+    speed: float  # as commanded [m/s], absolute
+    mean_payout: float  # that the winch goes to [m]
+    settled_swing: float  # swing of the unit at which a fade-out may end [m]
+    share: float = 1.0  # authority that is best with the winch as it is known, above 0 [-]
+    drum_error: float = 0.0  # drum less what was predicted of it a second ago [m]
+    inhibition: Alarm | None = None  # why compensation must be off; None: it need not
+    fault_cause: str = ""  # why the winch has its fault, in words; empty: unknown
+    # drum or encoder are reversed: the winch is brought to rest until an operator releases it
     is_reversed: bool = False
-    mean_acceleration: float = 0.0
-    envelope: str = ""
-    proven: Proven = Proven()
-    cell_jumped: bool = False
+    mean_acceleration: float = 0.0  # with which the winch goes there [m/s^2]
+    envelope: str = ""  # why the envelope has taken over, in words; empty: it has not
+    proven: Proven = Proven()  # what follows from the proofs
+    cell_jumped: bool = False  # the load cell is off by a jump that no operator knows of
 
 
 class Decision(NamedTuple):
-    """What supervision has decided in a tick.
+    """What supervision has decided in a tick."""
 
-    Attributes
-    ----------
-    mode : with authority and brake
-    is_inhibited : the guard keeps compensation off
-    is_damped : the unit is damped while compensation fades out
-    trusts_estimate : the depth sensor agrees with the estimate
-    fades_by_law : an operator has asked for a fade-out, and all is well: the law itself lets the unit go
-    unit_stands : on the bottom
-    bounds_tension : the highest tension is one that compensation can keep in this sea
-    landing : what has just happened to the unit; None: nothing
-    alarms : raised in this tick
-    """
-
-    mode: ModeOutput
-    is_inhibited: bool
-    is_damped: bool
-    trusts_estimate: bool
-    fades_by_law: bool
-    unit_stands: bool
-    bounds_tension: bool
-    landing: LandingEvent | None
-    alarms: tuple[Alarm, ...]
+    mode: ModeOutput  # with authority and brake
+    is_inhibited: bool  # the guard keeps compensation off
+    is_damped: bool  # the unit is damped while compensation fades out
+    trusts_estimate: bool  # the depth sensor agrees with the estimate
+    fades_by_law: bool  # an operator has asked for a fade-out, and all is well: the law itself lets the unit go
+    unit_stands: bool  # on the bottom
+    bounds_tension: bool  # the highest tension is one that compensation can keep in this sea
+    landing: LandingEvent | None  # what has just happened to the unit; None: nothing
+    alarms: tuple[Alarm, ...]  # raised in this tick
 
 
 class Sensed(NamedTuple):
-    """Where the core has what was sensed.
+    """Where the core has what was sensed."""
 
-    Attributes
-    ----------
-    sense : addresses of its design and state
-    tick : address of the tick
-    depths : returns the address of the depths read in it
-    """
-
-    sense: tuple[int, int]
-    tick: int
-    depths: Callable[[], int]
+    sense: tuple[int, int]  # addresses of its design and state
+    tick: int  # address of the tick
+    depths: Callable[[], int]  # returns the address of the depths read in it
 
 
 class Supervisor:

@@ -13,17 +13,11 @@ from winch_controller_node.model.regulator import is_sensor_state
 
 @dataclass(frozen=True)
 class Effort:
-    """Standard deviations in the design sea over those of a drum that follows the boom tip.
+    """Standard deviations in the design sea over those of a drum that follows the boom tip."""
 
-    Attributes
-    ----------
-    speed, acceleration : of the drum
-    rate_error : drum speed less boom-tip rate, over the latter
-    """
-
-    speed: float = 1.0
-    acceleration: float = 1.0
-    rate_error: float = 0.0
+    speed: float = 1.0  # of the drum [-]
+    acceleration: float = 1.0  # of the drum [-]
+    rate_error: float = 0.0  # drum speed less boom-tip rate, over the latter [-]
 
 
 def feedback_effort(model: LinearModel, gain: Array) -> Effort:

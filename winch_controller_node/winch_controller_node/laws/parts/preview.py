@@ -27,17 +27,11 @@ STEP = 0.25
 
 @dataclass(frozen=True, slots=True)
 class PreviewUse:
-    """What a law wants of a preview.
+    """What a law wants of a preview."""
 
-    Attributes
-    ----------
-    first, last : it must cover all times ahead from the one to the other [s]
-    noise : assumed standard deviation of its error [m]
-    """
-
-    first: float
-    last: float
-    noise: float
+    first: float  # it must cover all times ahead from this one on [s]
+    last: float  # to this one [s]
+    noise: float  # assumed standard deviation of its error [m]
 
 
 class PreviewReader:

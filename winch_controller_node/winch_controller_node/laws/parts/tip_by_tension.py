@@ -88,21 +88,13 @@ def standing_wire(s: ComplexArray, wave_time: float) -> ComplexArray:
 
 
 class WireLoop(NamedTuple):
-    """What is between a rate command and the tension of a wire that stands.
+    """What is between a rate command and the tension of a wire that stands."""
 
-    Attributes
-    ----------
-    stiffness : of the wire [N/m]
-    round_trip : time of a wave down the wire and back [s]
-    delay, lag : of the winch, half a tick of holding each command included [s]
-    tick_period : [s]
-    """
-
-    stiffness: float
-    round_trip: float
-    delay: float
-    lag: float
-    tick_period: float
+    stiffness: float  # of the wire [N/m]
+    round_trip: float  # time of a wave down the wire and back [s]
+    delay: float  # of the winch, half a tick of holding each command included [s]
+    lag: float  # of the winch [s]
+    tick_period: float  # [s]
 
     @property
     def lateness(self) -> float:

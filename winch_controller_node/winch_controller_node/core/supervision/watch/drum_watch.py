@@ -43,20 +43,12 @@ TRUE = 0.1
 
 
 class Ordered(NamedTuple):
-    """What the encoder reads of what the winch was ordered.
+    """What the encoder reads of what the winch was ordered."""
 
-    Attributes
-    ----------
-    share : times as much
-    left : standard deviation of the rest over that of the readings
-    payout : where the drum should be by now, did it start where it was read [m]
-    is_limited : the winch says that it has been at a limit meanwhile
-    """
-
-    share: float
-    left: float
-    payout: float
-    is_limited: bool = False
+    share: float  # times as much [-]
+    left: float  # standard deviation of the rest over that of the readings [-]
+    payout: float  # where the drum should be by now, did it start where it was read [m]
+    is_limited: bool = False  # the winch says that it has been at a limit meanwhile
 
     def is_reversed(self, *, was: bool) -> bool:
         """Return whether the encoder is reversed, and if it `was` so, still is."""

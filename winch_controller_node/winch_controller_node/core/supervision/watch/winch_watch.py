@@ -28,16 +28,10 @@ PAYOUT = int(WinchLimit.PAYOUT)
 
 
 class TransportReport(NamedTuple):
-    """How commands get to the winch.
+    """How commands get to the winch."""
 
-    Attributes
-    ----------
-    alarm : what has just become wrong; None: nothing
-    inhibition : why compensation must be off; None: it need not
-    """
-
-    alarm: Alarm | None = None
-    inhibition: Alarm | None = None
+    alarm: Alarm | None = None  # what has just become wrong; None: nothing
+    inhibition: Alarm | None = None  # why compensation must be off; None: it need not
 
 
 ON_TIME = TransportReport()
