@@ -42,30 +42,23 @@ class BeliefsInForce:
     Parameters
     ----------
     in_force, estimation, winch : what goes by the beliefs
-
-    Attributes
-    ----------
-    nominal : parameters as an operator has stated them
-    restated : those that have changed since the start, and what to, by path
-    beliefs : the active ones
-    refused : answers that came too late, so far
-    trust : whether the answers of the adviser are used
-    corrected : owners whose assumed values have changed in this tick: winch, cable, a sensor
-    has_moved_tip : the boom tip is taken to be elsewhere since this tick: what was seen of the sea is void
     """
 
     def __init__(self, in_force: DesignInForce, estimation: LoopEstimation, winch: WinchWatch) -> None:
         self._in_force, self._estimation, self._winch = in_force, estimation, winch
         self._latency = latency_ticks(in_force.design.tick_period)
         self._first = in_force.parameters
-        self.nominal: WinchControllerParameters = self._first
+        self.nominal: WinchControllerParameters = self._first  # parameters as an operator has stated them
+        # those that have changed since the start, and what to, by path
         self.restated: tuple[tuple[str, float], ...] = ()
-        self.beliefs = NONE
+        self.beliefs = NONE  # the active ones
         self._pending: Beliefs | None = None
-        self.refused = 0
-        self.trust = AdviserTrust(in_force.design.tick_period)
+        self.refused = 0  # answers that came too late, so far
+        self.trust = AdviserTrust(in_force.design.tick_period)  # whether the answers of the adviser are used
         self._plain: ControllerDesign | None = self._in_force.design
+        # owners whose assumed values have changed in this tick: winch, cable, a sensor
         self.corrected: set[str] = set()
+        # the boom tip is taken to be elsewhere since this tick: what was seen of the sea is void
         self.has_moved_tip = False
 
     def offer(self, beliefs: Beliefs, next_tick: int) -> bool:

@@ -33,18 +33,13 @@ class DesignInForce:
     tick_period : [s]
 
     Raises DesignError where no controller can be designed from the parameters.
-
-    Attributes
-    ----------
-    design : the active one
-    law : of the design, begun with it
     """
 
     def __init__(self, parameters: WinchControllerParameters, *, tick_period: float) -> None:
         self._dt = tick_period
         self.parameters = parameters
-        self.design = designed(parameters, 0.0, tick_period)
-        self.law = self.design.make_law()
+        self.design = designed(parameters, 0.0, tick_period)  # the active one
+        self.law = self.design.make_law()  # of the design, begun with it
 
     def prepared(self, parameters: WinchControllerParameters, payout: float) -> PreparedDesign:
         """Design again from `parameters` for a mean `payout` [m], changing nothing yet; takes longer than a tick.

@@ -152,11 +152,6 @@ class OrderEnvelope:
     cable : nominal two-state cable at payout 0
     tick_period : [s]
     source : of the orders, as an alarm names it
-
-    Attributes
-    ----------
-    records : of the core, by name
-    reason : why it has taken over, until an operator acknowledges; None: it has not
     """
 
     def __init__(
@@ -174,8 +169,9 @@ class OrderEnvelope:
         self._depth, self._cause = math.nan, 0.0
         self._jumps = Episode(tick_period)
         self._move: MoveRequest | None = None
+        # of the core, by name
         self.records = self._core.records if self._is_active else {**self._core.records, "envelope": None}
-        self.reason: Alarm | None = None
+        self.reason: Alarm | None = None  # why it has taken over, until an operator acknowledges; None: it has not
 
     def take_nominal(self, parameters: WinchControllerParameters) -> None:
         """Go by other nominal `parameters` from now on, as an operator states them; of the cable, another length."""

@@ -78,24 +78,14 @@ class Zero(Enum):
 
 @dataclass(frozen=True)
 class SensorModelParameters(abc.ABC):
-    """Assumed properties of a sensor: a class of its own for each.
+    """Assumed properties of a sensor: a class of its own for each."""
 
-    Class attributes
-    ----------------
-    sees : what it measures: boom_tip, unit, cable or drum
-    component : which value of a reading counts
-    includes_gravity : at rest that value is the acceleration of gravity
-    zero : what it counts from
-    sign : of the value in the model over that of the reading
-    is_always_watched : it has a gate also where the estimator does not take it
-    """
-
-    sees: ClassVar[str]
-    component: ClassVar[int] = 0
-    includes_gravity: ClassVar[bool] = False
-    zero: ClassVar[Zero] = Zero.OWN
-    sign: ClassVar[float] = 1.0
-    is_always_watched: ClassVar[bool] = False
+    sees: ClassVar[str]  # what it measures: boom_tip, unit, cable or drum
+    component: ClassVar[int] = 0  # which value of a reading counts
+    includes_gravity: ClassVar[bool] = False  # at rest that value is the acceleration of gravity
+    zero: ClassVar[Zero] = Zero.OWN  # what it counts from
+    sign: ClassVar[float] = 1.0  # of the value in the model over that of the reading
+    is_always_watched: ClassVar[bool] = False  # it has a gate also where the estimator does not take it
 
     def period(self, tick_period: float) -> float:
         """Return the time between readings [s]: one comes in each tick of `tick_period` [s]."""

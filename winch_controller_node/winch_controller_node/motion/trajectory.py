@@ -62,28 +62,21 @@ class MeanPayout:
     parameters : default speed, acceleration, time over which acceleration builds up
     tick_period : [s]
     record : array of one `MeanPayout` of the core that it moves; None: it has its own
-
-    Attributes
-    ----------
-    lag : with which it goes to another speed [s]
-    point : now
-    target : of the last move [m]
-    request : that was last made
     """
 
     def __init__(self, parameters: MoveParameters, *, tick_period: float, record: Any = None) -> None:
         self._parameters = parameters
         self._dt = tick_period
-        self.lag = max(parameters.jerk_time, 2.0 * tick_period)
+        self.lag = max(parameters.jerk_time, 2.0 * tick_period)  # with which it goes to another speed [s]
         self._record = new(MEAN_PAYOUT) if record is None else record
         put(self._record, {"tick_period": tick_period, "jerk_time": parameters.jerk_time})
         self._move, self._address = self._record["move"], self._record.ctypes.data
         self._core = library()
-        self.point = MovePoint(0.0, 0.0, 0.0)
-        self.target = 0.0
+        self.point = MovePoint(0.0, 0.0, 0.0)  # now
+        self.target = 0.0  # of the last move [m]
         self._acceleration = parameters.acceleration
         self._ticks_to_go = 0
-        self.request = MoveRequest()
+        self.request = MoveRequest()  # that was last made
         self._set(MoveKind.STAND)
 
     def _note(self, kind: str, speed: float = 0.0, **where: float) -> None:

@@ -52,9 +52,8 @@ class EnvelopeParameters:
     brake_margin: float = parameter(0.025, "m", 0.002, 10.0,
         "Motion of the count under the brake that is a slip; a single step of half of it is a jump.")  # fmt: skip
     rest_speed: float = 0.02  # speed below which a braked drum counts as at rest [m/s]
-    used_share: float = (
-        0.9  # share of the bounds on speed and travel within which the controller keeps its own orders [-]
-    )
+    # share of the bounds on speed and travel within which the controller keeps its own orders [-]
+    used_share: float = 0.9
     bound_time: float = 0.5  # time at a bound after which the envelope takes over [s]
     bound_window: float = 12.0  # time within which that counts [s]
     # time over which the envelope's own order, the MRU's raw rate about the requested move, fades [s]

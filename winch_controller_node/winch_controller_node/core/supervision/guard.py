@@ -42,17 +42,13 @@ class HarmGuard:
     parameters : window, ratio, floor
     loop : that it watches
     tick_period : [s]
-
-    Attributes
-    ----------
-    core : what is measured and compared
-    alarm : why it inhibits; None where it does not
     """
 
     def __init__(self, parameters: GuardParameters, loop: GuardedLoop, *, tick_period: float) -> None:
         self._parameters, self._dt = parameters, tick_period
         attempts = {"largest_residual": parameters.harm_ratio, "interruption": INTERRUPTION}
         learnt = tick_period / parameters.window
+        # what is measured and compared
         self.core = Guard(guard_design(parameters, loop, tick_period), {**attempts, "learnt": learnt})
         self._state, self._found = self.core.attempts[0], self.core.found[0]
         self._alarm: Alarm | None = None

@@ -127,15 +127,11 @@ class Landing:
     ----------
     parameters : shares of the weight at which it has landed, and hangs again
     load : on the cable
-
-    Attributes
-    ----------
-    core : design and state
     """
 
     def __init__(self, parameters: TensionLawParameters, load: HangingLoad) -> None:
         self._parameters = parameters
-        self.core = LandingWatch(landing_design(load, parameters.touchdown_ratio))
+        self.core = LandingWatch(landing_design(load, parameters.touchdown_ratio))  # design and state
         self._flags = self.core.flags
 
     def take_load(self, load: HangingLoad) -> None:

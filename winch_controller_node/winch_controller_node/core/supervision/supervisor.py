@@ -93,21 +93,17 @@ class Supervisor:
     ----------
     design : the active one; law : of it
     sensed : where the core has what was sensed
-
-    Attributes
-    ----------
-    modes : for requests of the operator
-    guard : whether compensation is harmful
-    landing : whether the unit stands
     """
 
     def __init__(self, design: ControllerDesign, law: ControlLaw, sensed: Sensed) -> None:
         parameters, dt = design.parameters, design.tick_period
+        # for requests of the operator
         self.modes = ModeMachine(
             parameters.modes, moves_winch=law.moves_winch, factor=parameters.factor, tick_period=dt
         )
+        # whether compensation is harmful
         self.guard = HarmGuard(parameters.guard, guarded_loop(design, law), tick_period=dt)
-        self.landing = Landing(parameters.tension, hanging_load(design))
+        self.landing = Landing(parameters.tension, hanging_load(design))  # whether the unit stands
         self._alarm_before, self._was_inhibited, self._dt, self._peak_reported = "", False, dt, 0.0
         self._design, self._state = new(SUPERVISION_DESIGN), new(SUPERVISION_STATE)
         self._seen, self._done = np.zeros(len(SUPERVISION_SEEN.rows)), np.zeros(len(SUPERVISED.rows))

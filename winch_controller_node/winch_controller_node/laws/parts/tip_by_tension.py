@@ -268,13 +268,6 @@ class TensionAlone:
     cable : stiffness, and what a hanging unit does; winch : delay, lag and speed
     round_trip : time of a wave down the cable and back [s]
     time_constant : of the correction; the least, which delay and wire may lengthen [s]
-
-    Attributes
-    ----------
-    tip : the boom tip as tension and drum tell it
-    core : array of one `TensionAlone` of the core
-    largest : speed of the correction [m/s]
-    standing, hanging : time constant of the correction above a unit that stands, and above one that hangs [s]
     """
 
     def __init__(
@@ -287,10 +280,12 @@ class TensionAlone:
     ) -> None:
         assert model.dt is not None
         loop = wire_loop(cable, winch, round_trip, model.dt)
-        self.largest = winch.speed_limit
+        self.largest = winch.speed_limit  # speed of the correction [m/s]
+        # the boom tip as tension and drum tell it
         self.tip = TipByTension(model, loop, 1.0 / max(time_constant, standing_time_constant(loop)))
-        self.standing = self.tip.time_constant
+        self.standing = self.tip.time_constant  # time constant of the correction above a unit that stands [s]
+        # time constant of the correction above a unit that hangs [s]
         self.hanging = max(time_constant, hanging_time_constant(loop, cable))
-        self.core = new(TENSION_ALONE)
+        self.core = new(TENSION_ALONE)  # array of one `TensionAlone` of the core
         self.tip.tell(self.core)
         put(self.core, {"standing": self.standing, "hanging": self.hanging})

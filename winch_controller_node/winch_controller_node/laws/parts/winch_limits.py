@@ -63,14 +63,10 @@ class ActiveWinch:
     winch : the assumed one
     limits : of it; attributes both
     tick_period : [s]
-
-    Attributes
-    ----------
-    record : array of one `ActiveWinch` of the core
     """
 
     def __init__(self, winch: WinchModelParameters, limits: WinchLimits, tick_period: float) -> None:
-        self.record = new(ACTIVE_WINCH)
+        self.record = new(ACTIVE_WINCH)  # array of one `ActiveWinch` of the core
         self._dt = tick_period
         self.take(winch, limits)
 

@@ -22,16 +22,12 @@ class AdviserTrust:
     Parameters
     ----------
     tick_period : [s]
-
-    Attributes
-    ----------
-    count : times that it was wrong
     """
 
     def __init__(self, tick_period: float) -> None:
         self._dt = tick_period
         self._until = 0.0
-        self.count = 0
+        self.count = 0  # times that it was wrong
         self._news: list[Alarm] = []
 
     def accepts(self, tick: int) -> bool:

@@ -51,10 +51,6 @@ class EncoderReflex:
     Parameters
     ----------
     tick_period : [s]
-
-    Attributes
-    ----------
-    is_unresolved : drum or encoder go the other way, and which of them is not known: nothing can be done with the winch
     """
 
     def __init__(self, tick_period: float) -> None:
@@ -63,6 +59,7 @@ class EncoderReflex:
         self._last = -1
         self._was_right, self._looks = False, 0
         self._true_share = 0.0
+        # drum or encoder go the other way, and which of them is not known: nothing can be done with the winch
         self.is_unresolved = False
         self._is_reversed = True
         self._verdict: Alarm | None = None

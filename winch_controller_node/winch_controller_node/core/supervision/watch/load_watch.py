@@ -79,10 +79,6 @@ class LoadWatch:
     tick_period : [s]
     rope : breaking force and required safety factor; None: not stated
     travel : bound on that of constant tension [m]
-
-    Attributes
-    ----------
-    records : of the core, by name
     """
 
     def __init__(
@@ -95,7 +91,7 @@ class LoadWatch:
     ) -> None:
         self._parameters, self._rope, self._travel = parameters, rope, travel
         self._core = LoadRecord(watched(parameters, rope, tick_period))
-        self.records = self._core.records
+        self.records = self._core.records  # of the core, by name
 
     def alarms(
         self, found: int, tension: float, static_tension: float, rate: float = 0.0, mode: Mode = Mode.STANDBY

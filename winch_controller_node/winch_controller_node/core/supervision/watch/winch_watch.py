@@ -47,16 +47,10 @@ class WinchWatch:
     Parameters
     ----------
     design : with the nominal winch
-
-    Attributes
-    ----------
-    fault : of the winch, as it reported last: a state that misses its tick takes no fault away
-    late_commands : how many commands were late so far, and whether that is more than hiccups
-    drum : orders and encoder of the last seconds
-    kept : ticks for which the winch has kept its order, as it got none
     """
 
     def __init__(self, design: ControllerDesign) -> None:
+        # of the winch, as it reported last: a state that misses its tick takes no fault away
         self.fault = int(WinchFault.NONE)
         winch, largest, dt = design.parameters.winch, design.parameters.lag.largest, design.tick_period
         self._core = WinchRecord(
@@ -67,13 +61,14 @@ class WinchWatch:
                 "modelled": winch.command_delay,
             }
         )
-        self.drum = DrumWatch(winch, largest, dt, self._core.drum)
+        self.drum = DrumWatch(winch, largest, dt, self._core.drum)  # orders and encoder of the last seconds
         self._stated_delay, self._parameters = winch.command_delay, design.parameters
+        # how many commands were late so far, and whether that is more than hiccups
         self.late_commands = LateCommands(dt, self._core.link)
         self._timeout_cause = TimeoutCause(dt, self._core.link)
         self._link, self._error = self._core.link.state[0], self._core.state["error"]
         self._given: WinchOrder | None = None
-        self.kept = 0
+        self.kept = 0  # ticks for which the winch has kept its order, as it got none
 
     def take(self, assumed: Mapping[str, float]) -> None:
         """Go by the `assumed` winch from now on, by quantity."""
