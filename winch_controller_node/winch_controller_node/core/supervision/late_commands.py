@@ -8,24 +8,26 @@ from heave_node.interface.alarm import Alarm
 
 from winch_controller_node.interface.alarms import ALARMS
 
-LATE_TICKS = 2
-"""Ticks in a row with a command overdue after which the delay of the winch is not what it was."""
-
 LATE_WINDOW = 2.0
 """Commands of so many seconds are judged together: one hiccup of a machine is no slow transport."""
 
-SHARE_WINDOW, LARGEST_SHARE = 60.0, 0.1
-"""Share of the commands of so many seconds that may be late; half of it ends the alarm."""
+SHARE_WINDOW = 60.0
+"""A share of the commands of so many seconds may be late."""
 
 CUT_TIME = 0.5
 """Time without a new command taken after which the link counts as cut [s]: how late any command is, is then unknown."""
 
-
 ROUNDING = 1e-6
 """Part of a tick that counts as none."""
 
-MEMORY = 3.0
-"""Time for which a silence of the winch is the cause of a timeout [s]."""
+CONSTANTS = {
+    "late_ticks": 2,
+    "largest_share": 0.1,
+    "cut_time": CUT_TIME,
+    "memory": 3.0,
+    "rounding": ROUNDING,
+}
+"""Constants of the link: meanings and units are in the core's table, LINK_DESIGN."""
 
 
 def link_values(tick_period: float) -> dict[str, float]:
@@ -33,12 +35,8 @@ def link_values(tick_period: float) -> dict[str, float]:
     return {
         "minute": max(1, round(SHARE_WINDOW / tick_period)),
         "window": max(1, round(LATE_WINDOW / tick_period)),
-        "late_ticks": LATE_TICKS,
+        **CONSTANTS,
         "tick_period": tick_period,
-        "largest_share": LARGEST_SHARE,
-        "cut_time": CUT_TIME,
-        "memory": MEMORY,
-        "rounding": ROUNDING,
     }
 
 

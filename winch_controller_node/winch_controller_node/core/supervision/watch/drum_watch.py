@@ -17,14 +17,12 @@ CHECKED_TIME = 1.0
 ORDERED_TIME = 0.8
 """Orders and encoder are compared over this time [s]."""
 
-LEAST_MOTION = 0.004
-"""Least motion of orders and encoder for a comparison, 1 sigma [m]."""
-
-LEAST_SEEN = 0.8
-"""Least fraction of the encoder readings that a comparison needs."""
-
-SETTLED = 5.0
-"""Time constants after which the initial state of a servo has decayed."""
+CONSTANTS = {
+    "least_seen": 0.8,
+    "least_motion": 0.004,
+    "settled": 5.0,
+}
+"""Constants of the drum's watch: meanings and units are in the core's table, DRUM_WATCH_DESIGN."""
 
 LONGEST = 12.0
 """Time for which orders and readings are kept [s]."""
@@ -86,9 +84,7 @@ def watched(drum: Drum, largest: float, position_gain: float, tick_period: float
         "ahead": ahead,
         "checked": 2 * round(CHECKED_TIME / tick_period),
         "ordered": round(ORDERED_TIME / tick_period),
-        "least_seen": LEAST_SEEN,
-        "settled": SETTLED,
-        "least_motion": LEAST_MOTION,
+        **CONSTANTS,
         "run": run_of(position_gain, tick_period)[0],
         "assumed": drum,
         "nominal": drum,
