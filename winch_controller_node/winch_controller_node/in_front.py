@@ -34,9 +34,7 @@ class MotionSourceEntry(NamedTuple):
 class NothingInFront:
     """A controller by itself; poses of a crane are not looked at.
 
-    Parameters
-    ----------
-    controller : it is
+    `controller` : it is
     """
 
     def __init__(self, controller: WinchController) -> None:

@@ -28,9 +28,7 @@ LENGTH = 120.0
 class Record:
     """Keeps the batches of the last two minutes; a new epoch begins a new record.
 
-    Parameters
-    ----------
-    tick_period : [s]
+    `tick_period` : [s]
     """
 
     def __init__(self, tick_period: float) -> None:

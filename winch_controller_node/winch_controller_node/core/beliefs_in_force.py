@@ -39,9 +39,7 @@ OWN = "encoder"
 class BeliefsInForce:
     """Nominal parameters and the active beliefs: their only home in the core.
 
-    Parameters
-    ----------
-    in_force, estimation, winch : what goes by the beliefs
+    `in_force`, `estimation`, `winch` : what goes by the beliefs
     """
 
     def __init__(self, in_force: DesignInForce, estimation: LoopEstimation, winch: WinchWatch) -> None:

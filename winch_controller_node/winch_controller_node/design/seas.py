@@ -217,9 +217,7 @@ class SeaTracker:
 def sigma_and_frequency(sea: SeaModelParameters, vessel: VesselModelParameters) -> tuple[float, float]:
     """Return standard deviation [m] and mean frequency [rad/s] of the boom tip in a sea: of its spectrum, not a filter.
 
-    Parameters
-    ----------
-    sea, vessel : assumed
+    `sea`, `vessel` : assumed
     """
     heave, rate, _ = boom_tip_moments(sea, vessel)
     return math.sqrt(heave), math.sqrt(rate / heave)
@@ -255,9 +253,7 @@ def possible_seas(
 ) -> PossibleSeas:
     """Return the seas that may be there.
 
-    Parameters
-    ----------
-    seen, assumed, in_force, vessel : see `sea_that_was_seen`
+    `seen`, `assumed`, `in_force`, `vessel` : see `sea_that_was_seen`
     """
     stretched = sea_that_was_seen(seen, assumed, in_force, vessel)
     parts = _of_two_parts(seen, assumed, vessel)

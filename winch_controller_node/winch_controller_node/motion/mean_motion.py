@@ -39,9 +39,8 @@ class MeanMotion:
         # from before a stop, which returns slowly
         self.left_over = MeanPayout(parameters, tick_period=tick_period, record=self.record["left_over"])
         at_once, carried = replace(parameters, jerk_time=0.0), self.record["carried"]
-        self.carried = MeanPayout(
-            at_once, tick_period=tick_period, record=carried
-        )  # by which the mean is carried along
+        # by which the mean is carried along
+        self.carried = MeanPayout(at_once, tick_period=tick_period, record=carried)
         self._address, self._advance = self.record.ctypes.data, library().heave_core_advance_motion
         self._model: LinearModel | None = None
         self.state = np.zeros(order)

@@ -69,10 +69,6 @@ class OperatorSpeed:
         """Discard the request."""
         self._asked, self._age = 0.0, math.inf
 
-    def release(self) -> None:
-        """Let the request lapse in the next tick."""
-        self._asked, self._age = 0.0, self._timeout
-
     def advance(self, point: MovePoint, bounds: OperatorRange) -> float:
         """Return the speed of the next tick [m/s] at a `point` of mean payout, within `bounds`; 0 once it lapsed."""
         self._age += self._dt

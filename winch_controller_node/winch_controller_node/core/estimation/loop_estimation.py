@@ -81,9 +81,7 @@ def look_design(design: ControllerDesign) -> dict[str, Any]:
 class LoopEstimation:
     """Estimate of the loop, and of what the unit would do with the winch locked.
 
-    Parameters
-    ----------
-    design : model, measurements and noise
+    `design` : model, measurements and noise
     """
 
     def __init__(self, design: ControllerDesign) -> None:

@@ -48,9 +48,7 @@ HEAVE_ALONE = "heave alone: it measures no rate"
 class EncoderGate:
     """The drum encoder as its gate in the core has it: the jumps that are taken off it, and its scale.
 
-    Parameters
-    ----------
-    state : array of one SenseState of the core
+    `state` : array of one SenseState of the core
     """
 
     def __init__(self, state: Any) -> None:

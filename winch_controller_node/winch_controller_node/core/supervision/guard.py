@@ -149,9 +149,7 @@ class HarmGuard:
 
         What is corrected again and again is not known, and the loop is judged by what it does.
 
-        Parameters
-        ----------
-        belief : what it is about, as "winch"
+        `belief` : what it is about, as "winch"
         """
         reasons = int(self._state["begun"])
         self.core.explain()

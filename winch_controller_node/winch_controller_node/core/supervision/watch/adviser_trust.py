@@ -19,9 +19,7 @@ used any more."""
 class AdviserTrust:
     """Counts how often the adviser was wrong.
 
-    Parameters
-    ----------
-    tick_period : [s]
+    `tick_period` : [s]
     """
 
     def __init__(self, tick_period: float) -> None:

@@ -48,9 +48,7 @@ class Act(Enum):
 class EncoderReflex:
     """Watches the direction of the encoder.
 
-    Parameters
-    ----------
-    tick_period : [s]
+    `tick_period` : [s]
     """
 
     def __init__(self, tick_period: float) -> None:

@@ -32,9 +32,7 @@ def rope_strength(parameters: WinchControllerParameters) -> Strength | None:
 class Episode:
     """Reports the beginning of something that comes and goes.
 
-    Parameters
-    ----------
-    tick_period : [s]
+    `tick_period` : [s]
     """
 
     def __init__(self, tick_period: float) -> None:

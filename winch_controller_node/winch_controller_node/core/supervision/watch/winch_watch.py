@@ -44,9 +44,7 @@ NO_ORDER, NO_REPORT = (math.nan, 0.0, 0.0, False), (False, 0, 0, False)
 class WinchWatch:
     """Compares what the winch did with what it was ordered.
 
-    Parameters
-    ----------
-    design : with the nominal winch
+    `design` : with the nominal winch
     """
 
     def __init__(self, design: ControllerDesign) -> None:
