@@ -399,9 +399,9 @@ def test_the_share_of_the_unit_follows_the_speed_that_was_learnt():
     """A fifth of the speed limit: it stayed a fifth of the one that was assumed first."""
     controller = WinchController(WinchControllerParameters(law="lqg"), tick_period=DT)
     law = controller._in_force.law
-    assert law.largest_share == pytest.approx(0.2 * 2.0)
+    assert law.core.law["unit_share"] * law.winch.record["speed"] == pytest.approx(0.2 * 2.0)
     controller._in_force.take_limits(dataclasses.replace(controller.parameters.winch, speed_limit=1.0))
-    assert law.largest_share == pytest.approx(0.2)
+    assert law.core.law["unit_share"] * law.winch.record["speed"] == pytest.approx(0.2)
 
 
 def test_a_window_of_figures_counts_the_limits_of_each_tick():

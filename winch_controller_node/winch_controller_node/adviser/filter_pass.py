@@ -77,13 +77,7 @@ class PassResult:
 
 
 def run_pass(model: PassModel, record: PassInput, used: NDArray[np.bool_]) -> PassResult:
-    """Go through a `record` with a `model`.
-
-    Parameters
-    ----------
-    model, record : see there
-    used : which measurements the filter takes, (k,); of the others innovations are noted only
-    """
+    """Go through a `record` with a `model`. Of measurements that are not `used`, (k,), innovations are noted only."""
     state, covariance = np.zeros((len(model.F), record.values.shape[1])), model.start.copy()
     readings = np.column_stack((record.which, record.offsets, record.variances, used[record.which]))
     innovations, variances = follow(

@@ -155,11 +155,8 @@ class WinchIdentifier:
     def look(self, excerpt: Excerpt, history: SensorHistory, assumed: Mapping[str, float]) -> WinchAnswer | None:
         """Return what the last seconds say of the winch; None: too little.
 
-        Parameters
-        ----------
-        excerpt : of `length`, or what there is
-        history : assumed scales of the encoder over the record
-        assumed : of the winch, by quantity
+        `excerpt` is of `length`, or what there is; `history` has the encoder's assumed scales over the record,
+        `assumed` is the winch by quantity.
         """
         record = drum_record(excerpt, self._lag.window, self._ahead, history, self._winch.position_gain)
         if record is None or record.duration < SHORTEST or record.duration < 0.5 * len(record.readings) * self._dt:

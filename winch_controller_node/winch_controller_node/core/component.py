@@ -115,11 +115,7 @@ class WinchController(ControllerEvents):
     ) -> WinchOrder:
         """Return the order that leaves, in the encoder's count, within the envelope; all go by what is sent.
 
-        Parameters
-        ----------
-        loop, decision : of the tick
-        measurements : of the tick
-        preview : to be used; None: none is
+        `preview` : to be used; None: none is
         """
         motion, winch, command = self._estimation.motion, measurements.winch, self._command
         self.envelope.read(

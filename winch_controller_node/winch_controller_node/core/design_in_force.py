@@ -96,13 +96,7 @@ class DesignInForce:
 
 
 def designed(parameters: WinchControllerParameters, payout: float, tick_period: float) -> ControllerDesign:
-    """Return the design for the length of cable that is out.
-
-    Parameters
-    ----------
-    parameters : to design from
-    payout : beyond the length of the parameters [m]
-    tick_period : [s]
+    """Return the design from `parameters` for the cable that is out at a `payout` [m], with ticks of `tick_period` [s].
 
     Raises DesignError where that cannot be designed.
     """

@@ -89,13 +89,9 @@ class Asked(NamedTuple):
 
 
 def nominal_design(parameters: WinchControllerParameters, cable: CableModel, tick_period: float) -> dict[str, Any]:
-    """Return the values of the core's `Design`.
+    """Return the values of the core's `Design`, with ticks of `tick_period` [s].
 
-    Parameters
-    ----------
-    parameters : as an operator states them
-    cable : nominal two-state cable at payout 0
-    tick_period : [s]
+    `parameters` are as an operator states them; `cable` is the nominal two-state cable at payout 0.
     """
     tension = cable.static_tension if math.isfinite(cable.static_tension) else 0.0
     ratio = parameters.limits.maximum_tension_ratio
@@ -239,13 +235,9 @@ class OrderEnvelope:
         return [*found, self.reason]
 
     def step(self, raw: Measurements, asked: Asked, order: WinchOrder) -> tuple[WinchOrder, list[Alarm]]:
-        """Return the order that leaves in place of `order`, the same one inside the bounds, and what is new.
+        """Return the order that leaves in place of the controller's, and what is new; within bounds it is that `order`.
 
-        Parameters
-        ----------
-        raw : readings of the tick
-        asked : by an operator
-        order : of the controller
+        `raw` : readings of the tick; `asked` : by an operator
         """
         self.read(raw, asked)
         if not self._is_active:

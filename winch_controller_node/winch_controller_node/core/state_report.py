@@ -25,13 +25,7 @@ class Known(NamedTuple):
 
 
 def state_report(loop: LoopTick, decision: Decision, command: TickCommand, order: WinchOrder, known: Known) -> Report:
-    """Return the report of a tick.
-
-    Parameters
-    ----------
-    loop, decision, command, order : of the tick
-    known : beside it
-    """
+    """Return the report of a tick: `loop`, `decision`, `command`, `order` of it, and what is `known` beside it."""
     mode, measurements = decision.mode, tuple(known.estimator.measurements)
     innovation, innovation_sigma, nis, _ = loop.said.T.tolist()
     return Report(

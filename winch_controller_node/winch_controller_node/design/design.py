@@ -278,13 +278,7 @@ def carry_by_name(old: ControllerDesign, new: ControllerDesign) -> Array:
 
 
 def check_inputs(parameters: WinchControllerParameters, tick_period: float) -> None:
-    """Refuse what no design serves; raises DesignError.
-
-    Parameters
-    ----------
-    parameters : of the controller
-    tick_period : [s]
-    """
+    """Refuse `parameters` and a `tick_period` [s] that no design serves; raises DesignError."""
     if not tick_period > 0.0:
         raise DesignError(f"tick_period must be above 0; got {tick_period:g} s")
     delay = parameters.winch.command_delay
@@ -319,12 +313,9 @@ def assumed_cable(parameters: WinchControllerParameters, length: float) -> Cable
 
 
 def error_of_two_states(parameters: WinchControllerParameters, length: float) -> float:
-    """Return by how much the motion of the unit, by two fitted states, is off that by the cable's waves, relative.
+    """Return the relative error of the unit's motion by two fitted states against that by the cable's waves.
 
-    Parameters
-    ----------
-    parameters : of plant and sea
-    length : of cable [m]
+    `parameters` : of plant and sea; `length` : of cable [m]
     """
     return fitted_cable(assumed_plant(parameters), parameters.cable_model, length, *_band(parameters)).error
 
@@ -358,12 +349,9 @@ def model_inputs(parameters: WinchControllerParameters, cable: CableModel) -> Mo
 
 
 def slow_states(parameters: WinchControllerParameters, cable: CableModel) -> list[SlowState]:
-    """Return the errors of the sensors in use that the estimator follows, in the units of the model.
+    """Return the errors of the sensors of `parameters` that the estimator follows, in the units of the model.
 
-    Parameters
-    ----------
-    parameters : of the sensors
-    cable : whose static tension is the unit of a load cell
+    `cable` : whose static tension is the unit of a load cell
     """
     return [
         SlowState(state.name, unit * state.drift, unit * state.sigma)

@@ -56,7 +56,7 @@ def boom_tip_density(sea: SeaModelParameters, vessel: VesselModelParameters, ome
 def boom_tip_moments(sea: SeaModelParameters, vessel: VesselModelParameters) -> tuple[float, float, float]:
     """Return the variances of the boom tip's heave [m^2], rate and acceleration, by quadrature up to 5 rad/s.
 
-    `sea`, `vessel` : assumed
+    `sea` and `vessel` are assumed.
     """
     omega = np.linspace(1e-3, BAND, POINTS)
     density = boom_tip_density(sea, vessel, omega)

@@ -159,11 +159,6 @@ class SeaTracker:
         self._sea_noise = design.sea_noise
         self._record["applied"] = 1.0
 
-    @property
-    def height_ratio(self) -> float:
-        """Height of the boom-tip motion over that of the design; 1 until enough has been seen."""
-        return float(self._core.heave_core_sea_height(self._at[0], self._at[2]))
-
     def update(self, heave: float, rate: float = 0.0) -> Array | None:
         """Take in the estimated heave [m] and heave rate [m/s] of the boom tip at a tick.
 
@@ -194,13 +189,7 @@ class SeaTracker:
         return SeaSeen(waves, heave, frequency, is_settled, self.is_refuted)
 
     def note_innovation(self, nis: float, sigma: float) -> None:
-        """Take in what a heave rate of the motion reference unit said against the prediction.
-
-        Parameters
-        ----------
-        nis : normalised innovation squared
-        sigma : standard deviation by which it was normalised [m/s]
-        """
+        """Take in a heave rate of the MRU: the normalised square of its innovation, `nis`, and its `sigma` [m/s]."""
         self._note(*self._at, nis, sigma)
 
     @property
@@ -215,9 +204,9 @@ class SeaTracker:
 
 
 def sigma_and_frequency(sea: SeaModelParameters, vessel: VesselModelParameters) -> tuple[float, float]:
-    """Return standard deviation [m] and mean frequency [rad/s] of the boom tip in a sea: of its spectrum, not a filter.
+    """Return standard deviation [m] and mean frequency [rad/s] of the boom tip of a `vessel` in a `sea`.
 
-    `sea`, `vessel` : assumed
+    They are those of its spectrum, not of a filter.
     """
     heave, rate, _ = boom_tip_moments(sea, vessel)
     return math.sqrt(heave), math.sqrt(rate / heave)
@@ -251,10 +240,7 @@ def sea_that_was_seen(
 def possible_seas(
     seen: SeaSeen, assumed: SeaModelParameters, in_force: SeaModelParameters, vessel: VesselModelParameters
 ) -> PossibleSeas:
-    """Return the seas that may be there.
-
-    `seen`, `assumed`, `in_force`, `vessel` : see `sea_that_was_seen`
-    """
+    """Return the seas that may be there; `seen`, `assumed`, `in_force`, `vessel` : see `sea_that_was_seen`."""
     stretched = sea_that_was_seen(seen, assumed, in_force, vessel)
     parts = _of_two_parts(seen, assumed, vessel)
     return PossibleSeas(seen, assumed, as_high_as_seen(in_force, seen, vessel), stretched, parts)

@@ -154,20 +154,6 @@ class KalmanEstimator:
         """Return the estimate of an output of the model."""
         return float(self.model.row(output) @ self.estimate)
 
-    def row_of(self, reading: Measurement) -> Array:
-        """Return the row of a reading, shape (n,), on the state of its tick: by the model where it lies between ticks.
-
-        Newton's formula over two ticks ahead; what a command changes within them is left to its delay.
-        """
-        offset, which = reading.offset, self._which.get(reading.name)
-        if which is None:
-            # a cross-check is an output of the model only
-            row, change, bend = row_with_differences(self.model.row(reading.name), self.model)
-        else:
-            table = self._filter_model
-            row, change, bend = table.rows[which], table.changes[which], table.bends[which]
-        return np.asarray(row + offset * change + 0.5 * offset * (offset - 1.0) * bend) if offset != 0.0 else row
-
     def _refer_to(
         self, model: LinearModel, measurements: Sequence[MeasurementModel], drag: Drag | None, slack: Slack | None
     ) -> None:
@@ -300,6 +286,9 @@ class KalmanEstimator:
 
 
 def row_with_differences(row: Array, model: LinearModel) -> tuple[Array, Array, Array]:
-    """Return a row on the state of a tick, and its first and second differences over the ticks of a `model`."""
+    """Return a row on the state of a tick, and its first and second differences over the ticks of a `model`.
+
+    Of a reading between two ticks they give the row by Newton's formula over two ticks ahead (filter.cpp).
+    """
     change = row @ model.A - row
     return row, change, change @ model.A - change

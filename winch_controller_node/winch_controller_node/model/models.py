@@ -157,14 +157,9 @@ def second_order_vessel(sea: SeaModelParameters, vessel: VesselModelParameters) 
 
 
 def boom_tip_response(sea: SeaModelParameters, vessel: VesselModelParameters, omega: Array) -> NDArray[np.complex128]:
-    """Return boom-tip heave per wave amplitude: of a vessel with RAOs by themselves.
+    """Return boom-tip heave per wave amplitude at `omega` [rad/s], shape (n,): of a vessel with RAOs by themselves.
 
-    Parameters
-    ----------
-    sea, vessel : of the design
-    omega : [rad/s], shape (n,)
-
-    Raises ModelError where the RAOs cannot be read.
+    `sea` and `vessel` are those of the design. Raises ModelError where the RAOs cannot be read.
     """
     if vessel.model == "rao":
         try:

@@ -25,13 +25,7 @@ class OperatorRange:
     lag: float  # with which the mean payout goes to another speed [s]
 
     def nearest(self, speed: float, payout: float) -> float:
-        """Return the nearest speed to the one asked for from which the mean payout comes to rest within the range.
-
-        Parameters
-        ----------
-        speed : asked for, positive lowers [m/s]
-        payout : now [m]
-        """
+        """Return the speed next to `speed` [m/s], positive lowers, that comes to rest in the range from a `payout` [m]."""
         down, up = self.payout_maximum - payout, payout - self.payout_minimum
         lowering, lifting = (approach_speed(max(room, 0.0), self.acceleration, self.lag) for room in (down, up))
         return float(np.clip(speed, -min(self.speed, lifting), min(self.speed, lowering)))

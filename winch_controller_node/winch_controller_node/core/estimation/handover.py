@@ -56,12 +56,9 @@ def hand_over(model: LinearModel, estimate: Array, covariance: Array, mean_state
 
 
 def followed(model: LinearModel, mean_state: Array) -> Array:
-    """Return the mean payout's own motion, shape (n,), where the unit has followed it: no swing is left.
+    """Return the mean payout's own motion in the states of a `model` where the unit has followed it: no swing is left.
 
-    Parameters
-    ----------
-    model : of the loop
-    mean_state : that motion now, shape (n,)
+    `mean_state` : that motion now; both of shape (n,)
     """
     mean_state = mean_state.copy()
     mean_state[model.state("unit_heave")] = -mean_state[model.state("payout")]

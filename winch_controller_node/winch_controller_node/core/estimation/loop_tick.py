@@ -37,13 +37,7 @@ class TensionMean(NamedTuple):
 
 
 def free_swing(heave: float, rate: float, inertia: float) -> float:
-    """Return the amplitude [m] of the free swing that a unit makes on its cable.
-
-    Parameters
-    ----------
-    heave, rate : of the unit [m], [m/s]
-    inertia : a of the two-state cable [s^2]
-    """
+    """Return the amplitude [m] of a unit's free swing: `heave` [m], `rate` [m/s]; `inertia` is a of its cable [s^2]."""
     return math.hypot(heave, math.sqrt(inertia) * rate)
 
 

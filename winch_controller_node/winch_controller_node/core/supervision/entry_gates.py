@@ -48,10 +48,7 @@ def range_words(payout: float, limits: WinchLimits, tip_sigma: float) -> str:
 def hanging_words(share: float, wait: float) -> str:
     """Return why a unit whose landing was missed counts as hanging.
 
-    Parameters
-    ----------
-    share : of its weight that the cable carries; NaN: that is not known yet
-    wait : until it is [s]
+    `share` of its weight the cable carries; NaN: that is not known until a `wait` [s] is over.
     """
     if not math.isnan(share):
         return (

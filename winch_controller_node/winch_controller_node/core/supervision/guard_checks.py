@@ -97,14 +97,7 @@ class GuardedLoop:
 
 
 def guard_design(parameters: GuardParameters, loop: GuardedLoop, tick_period: float) -> dict[str, Any]:
-    """Return the values of the core's GuardDesign.
-
-    Parameters
-    ----------
-    parameters : window, ratio, floor, use of the limits
-    loop : that is watched
-    tick_period : [s]
-    """
+    """Return the values of the core's GuardDesign, of its `parameters`, the watched `loop` and a `tick_period` [s]."""
     limits, effort, first_look = loop.limits, loop.effort, round(FIRST_LOOK / tick_period)
     floor, seen_time = FLOOR_FACTOR * parameters.floor, SEEN_SHARE * parameters.window
     checks = {"swing": SWING, "depth": DEPTH, "mismatch": MISMATCH}

@@ -123,16 +123,6 @@ class Landing:
         self._flags[STANDS] = stands
 
     @property
-    def may_stand(self) -> bool:
-        """Tell whether it may just have landed: its readings are no check on the estimate of a hanging unit."""
-        return bool(self._flags[MAY_STAND])
-
-    @property
-    def is_unloaded(self) -> bool:
-        """Tell whether the winch is braked over a cable that does not carry the unit, on average."""
-        return bool(self._flags[UNLOADED])
-
-    @property
     def share(self) -> float:
         """Share of the weight that the cable has carried then."""
         return float(self._flags[SHARE])

@@ -21,14 +21,9 @@ class Effort:
 
 
 def feedback_effort(model: LinearModel, gain: Array) -> Effort:
-    """Return the effort of u = -gain x with the state known.
+    """Return the effort of u = -`gain` x, shape (n,), with the state of a sampled `model` of a speed-servo loop known.
 
     A law that sees the unit alone acts when it has moved: later than the boom tip, and so with more speed than that.
-
-    Parameters
-    ----------
-    model : sampled augmented model of a loop with a speed servo
-    gain : shape (n,)
     """
     assert model.dt is not None
     names = [name for name in model.state_names if not is_sensor_state(name)]

@@ -118,13 +118,9 @@ class EncoderReflex:
         return tick % max(1, round(LOOKED_EVERY / self._dt)) == 0
 
     def look(self, tick: int, ordered: Ordered | None, *, is_aside: bool) -> Act:
-        """Return what is to be done before a `tick` in which the winch moves.
+        """Return what is to be done before a `tick` in which the winch moves; `is_aside` : the encoder is set aside.
 
-        Parameters
-        ----------
-        tick : number
-        ordered : what the encoder reads of what was ordered; None: unknown, or no look is due
-        is_aside : it has been set aside
+        `ordered` : what the encoder reads of what was ordered; None: unknown, or no look is due
         """
         self._moving_time = self._moving_time + self._dt if tick == self._last + 1 else 0.0
         self._last = tick

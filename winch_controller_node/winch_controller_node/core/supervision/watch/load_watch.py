@@ -47,13 +47,9 @@ class Episode:
 
 
 def watched(parameters: AlarmParameters, rope: Strength | None, tick_period: float) -> dict[str, float]:
-    """Return the values of the core's LoadWatchDesign.
+    """Return the values of the core's LoadWatchDesign, of its `parameters` and a `tick_period` [s].
 
-    Parameters
-    ----------
-    parameters : thresholds
-    rope : breaking force and required safety factor; None: not stated
-    tick_period : [s]
+    `rope` : breaking force and required safety factor; None: not stated
     """
     return {
         "tick_period": tick_period,
