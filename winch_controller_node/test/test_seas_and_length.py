@@ -11,8 +11,7 @@ from winch_controller_node.adviser.component import Adviser
 from winch_controller_node.core.component import WinchController
 from winch_controller_node.core.design_in_force import DesignInForce, designed
 from winch_controller_node.core.estimation.observation_log import ROWS
-from winch_controller_node.design.carry_sea import carry_sea
-from winch_controller_node.design.design import design_controller, length_followed
+from winch_controller_node.design.design import carry_sea, design_controller, length_followed
 from winch_controller_node.design.feasibility import boom_tip_moments, feasibility_table, uncompensated_sigma
 from winch_controller_node.design.prediction import predict_loop
 from winch_controller_node.design.seas import PATIENCE, SeaSeen, SeaTracker, sea_that_was_seen, sigma_and_frequency

@@ -13,7 +13,6 @@ from heave_node.parameters import ParameterError, group, parameter
 
 from winch_controller_node.interface.sensors import KNOWN_SENSORS, SensorsModelParameters
 from winch_controller_node.laws.registry import LAWS, PLACE, load_law, parameters_of_place
-from winch_controller_node.parameters.crane import CraneModelParameters
 from winch_controller_node.parameters.envelope import EnvelopeParameters
 from winch_controller_node.parameters.laws import (
     AlarmParameters,
@@ -30,6 +29,7 @@ from winch_controller_node.parameters.laws import (
 )
 from winch_controller_node.parameters.model import (
     CableModelParameters,
+    CraneModelParameters,
     EstimatorParameters,
     SeaModelParameters,
     VesselModelParameters,

@@ -7,8 +7,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 from heave_node.numerics.arrays import Array
 
-from winch_controller_node.design.carry_sea import carry_sea
-from winch_controller_node.design.design import ControllerDesign, carry_by_name, design_controller, length_followed
+from winch_controller_node.design.design import (
+    ControllerDesign,
+    carry_by_name,
+    carry_sea,
+    design_controller,
+    length_followed,
+)
 from winch_controller_node.laws.law import ControlLaw
 from winch_controller_node.model.lqr import DesignError
 from winch_controller_node.node_parameters import WinchControllerParameters

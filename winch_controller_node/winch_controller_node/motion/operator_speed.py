@@ -25,7 +25,7 @@ class OperatorRange:
     lag: float  # with which the mean payout goes to another speed [s]
 
     def nearest(self, speed: float, payout: float) -> float:
-        """Return the speed next to `speed` [m/s], positive lowers, that comes to rest in the range from a `payout` [m]."""
+        """Return the speed next to `speed` [m/s], positive lowers, that ends in the range from a `payout` [m]."""
         down, up = self.payout_maximum - payout, payout - self.payout_minimum
         lowering, lifting = (approach_speed(max(room, 0.0), self.acceleration, self.lag) for room in (down, up))
         return float(np.clip(speed, -min(self.speed, lifting), min(self.speed, lowering)))

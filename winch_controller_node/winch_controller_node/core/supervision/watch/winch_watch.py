@@ -12,9 +12,14 @@ from heave_node.interface.alarm import Alarm
 from heave_node.interface.codes import WinchFault, WinchLimit
 
 from winch_controller_node.beliefs.drum import drum_of
-from winch_controller_node.core.supervision.late_commands import CUT_TIME, ROUNDING, LateCommands, link_values
+from winch_controller_node.core.supervision.late_commands import (
+    CUT_TIME,
+    ROUNDING,
+    LateCommands,
+    TimeoutCause,
+    link_values,
+)
 from winch_controller_node.core.supervision.watch.drum_watch import DrumWatch, watched
-from winch_controller_node.core.supervision.watch.timeout_cause import TimeoutCause
 from winch_controller_node.design.design import ControllerDesign
 from winch_controller_node.interface.alarms import ALARMS
 from winch_controller_node.interface.readings import Lateness, WinchOrder, WinchReading
