@@ -37,8 +37,20 @@ PATIENCE = 200.0
 STEP = 0.15
 """The noise is changed when the height has changed by this share since the last time."""
 
-SMALLEST, LARGEST = 0.05, 20.0
-"""Range of the height ratio; beyond it the fault hypothesis is the sensor's, not the sea's."""
+CONSTANTS = {
+    "memory": MEMORY,
+    "group_memory": GROUP_MEMORY,
+    "group_share": GROUP_SHARE,
+    "patience": PATIENCE,
+    "step": STEP,
+    "smallest": 0.05,  # beyond it the fault hypothesis is the sensor's, not the sea's
+    "largest": 20.0,
+    "innovation_memory": 5.0,
+    "largest_nis": 30.0,
+    "least_error": 0.01,  # a perfect instrument sees what no model has
+    "least_heave": 0.03,  # noise has a period as well
+}
+"""Constants of the sea that is seen: meanings and units are in the core's table, SEA_DESIGN."""
 
 FIRST_WAVES, JUDGED_AGAIN = 2.0, 1.3
 """Waves after which the period is judged for the first time, and by what factor more for the next."""
@@ -48,12 +60,6 @@ ASSUMED_WAVES = 2.0
 
 REFUTED_WAVES = 0.3
 """Weight of the assumed period where the assumed sea is refuted, in waves."""
-
-INNOVATION_MEMORY, LARGEST_NIS = 5.0, 30.0
-"""Memory of the normalised innovations [s], and what one counts at most."""
-
-LEAST_ERROR = 0.01
-"""Error of the predicted heave rate that is small in any sea [m/s]: a perfect instrument sees what no model has."""
 
 REFUTED = 3.0
 """Mean of the normalised innovations squared of the heave rate from which on the sea is refuted; it is 1 in its own."""
@@ -72,9 +78,6 @@ SCATTER = 0.9
 
 LIKELY = SCATTER / 3.0
 """One standard deviation of the logarithm of the period as estimated from one wave."""
-
-LEAST_HEAVE = 0.03
-"""Standard deviation of the boom tip's heave below which its period is not judged [m]: noise has one as well."""
 
 PERIODS = (2.0, 30.0)
 """Peak periods that a sea may have [s]."""
@@ -118,20 +121,7 @@ class PossibleSeas:
 
 def sea_design(design: ControllerDesign) -> dict[str, float]:
     """Return the values of the core's SeaDesign, of a `design`."""
-    return {
-        "variance": design.sigma["boom_tip_heave"] ** 2,
-        "memory": MEMORY,
-        "group_memory": GROUP_MEMORY,
-        "group_share": GROUP_SHARE,
-        "patience": PATIENCE,
-        "step": STEP,
-        "smallest": SMALLEST,
-        "largest": LARGEST,
-        "innovation_memory": INNOVATION_MEMORY,
-        "largest_nis": LARGEST_NIS,
-        "least_error": LEAST_ERROR,
-        "least_heave": LEAST_HEAVE,
-    }
+    return {"variance": design.sigma["boom_tip_heave"] ** 2, **CONSTANTS}
 
 
 class SeaTracker:

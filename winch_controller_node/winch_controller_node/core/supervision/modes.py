@@ -57,13 +57,8 @@ SETTLING_LIMIT = 30.0
 STOPPING_LIMIT = 20.0
 """Longest time that the winch may take to come to rest [s]; then the brake goes on, and the winch stops by itself."""
 
-MOST_LOSSES, LOSS_GROWTH, FORGIVEN = 3, 4.0, 600.0
-"""Compensation resumes automatically after so many losses of a sensor, each time after so many times the wait of the
-time before; they count no more once it has gone on for so long [s]."""
-
-COAST_RECOVERY = 0.2
-"""Share of the time in which a sensor is good that makes up for as much in which it was lost: one that comes and goes
-is lost."""
+MOST_LOSSES = 3
+"""Losses of a sensor after which compensation resumes automatically."""
 
 STANDSTILL = 1e-3
 """Speed below which the winch is at rest [m/s]."""
@@ -287,8 +282,20 @@ TABLE: tuple[Transition, ...] = (
 """Every way from one mode to another. Where several rows fit, the first one counts."""
 
 
-HICCUP = 0.5
-"""Sensors that were lost for no longer than this [s] need not be good for the whole of a wait again."""
+CONSTANTS = {
+    "hiccup": 0.5,
+    "release_time": RELEASE_TIME,
+    "released_time": RELEASED_TIME,
+    "settling_limit": SETTLING_LIMIT,
+    "stopping_limit": STOPPING_LIMIT,
+    "loss_growth": 4.0,
+    "forgiven": 600.0,
+    "coast_recovery": 0.2,  # a sensor that comes and goes is lost
+    "standstill": STANDSTILL,
+    "back_time": BACK_TIME,
+    "most_losses": MOST_LOSSES,
+}
+"""Constants of the modes: meanings and units are in the core's table, MODE_DESIGN."""
 
 MODES = tuple(Mode)
 """Modes by their number in the core."""
@@ -328,17 +335,7 @@ def mode_design(parameters: ModeParameters, tick_period: float) -> dict[str, Any
         "fade_out_time": parameters.fade_out_time,
         "coast_time": parameters.coast_time,
         "resume_time": parameters.resume_time,
-        "hiccup": HICCUP,
-        "release_time": RELEASE_TIME,
-        "released_time": RELEASED_TIME,
-        "settling_limit": SETTLING_LIMIT,
-        "stopping_limit": STOPPING_LIMIT,
-        "loss_growth": LOSS_GROWTH,
-        "forgiven": FORGIVEN,
-        "coast_recovery": COAST_RECOVERY,
-        "standstill": STANDSTILL,
-        "back_time": BACK_TIME,
-        "most_losses": MOST_LOSSES,
+        **CONSTANTS,
         "resumes": parameters.resume,
         "count": len(rows),
         "rows": [*rows, *[empty] * (MODE_ROWS - len(rows))],
