@@ -26,6 +26,15 @@ from winch_controller_node.node_parameters import WinchControllerParameters
 
 from tests.core_parts import COUNT, part
 
+HARMFUL = {
+    "WORSE_THAN_OFF: depth",
+    "WORSE_THAN_OFF: swing",
+    "WORSE_THAN_OFF: estimate",
+    "DRUM_SPEED_OFF",
+    "LITTLE_GAIN",
+}
+"""Names of the alarms by which the guard ends compensation that does harm."""
+
 DT = 0.05
 
 

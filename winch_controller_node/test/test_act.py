@@ -31,7 +31,8 @@ def test_a_drive_makes_the_commanded_speed_of_the_order_wherever_its_payout_is(g
     for _ in range(40):
         outputs, _ = loop.step()
         done, made = numbers_of(ACT_DONE, acting.done), numbers_of(COMMAND, command._numbers)
-        order, ahead = outputs.order, loop.controller.observer.encoder.count_at(made["payout"])
+        order, encoder = outputs.order, loop.controller.observer.encoder
+        ahead = encoder.scale * (made["payout"] + encoder.offset)
         assert not done["is_replaced"]
         wanted = made["sent"] - made["standing"]
         assert order.payout_rate + gain * (order.payout - ahead) == pytest.approx(wanted, abs=1e-9)

@@ -4,7 +4,7 @@ import math
 
 import pytest
 from heave_core.look_table import Harm
-from winch_controller_node.core.supervision.attempts import prospect
+from winch_controller_node.core.supervision.guard import prospect
 from winch_controller_node.core.supervision.guard_checks import GuardedLoop
 from winch_controller_node.interface.alarms import ALARMS
 from winch_controller_node.laws.parts.winch_limits import WinchLimits

@@ -32,6 +32,8 @@ from winch_controller_node.laws.registry import LAWS
 from winch_controller_node.node_parameters import WinchControllerParameters
 from winch_controller_node.parameters.model import SeaModelParameters, WinchModelParameters
 
+from tests.core_parts import add_to_window
+
 DT = 0.05
 AFTER = round(LATENCY / DT)
 NOMINAL = WinchControllerParameters()
@@ -399,9 +401,9 @@ def test_the_share_of_the_unit_follows_the_speed_that_was_learnt():
     """A fifth of the speed limit: it stayed a fifth of the one that was assumed first."""
     controller = WinchController(WinchControllerParameters(law="lqg"), tick_period=DT)
     law = controller._in_force.law
-    assert law.largest_share == pytest.approx(0.2 * 2.0)
+    assert law.core.law["unit_share"] * law.winch.record["speed"] == pytest.approx(0.2 * 2.0)
     controller._in_force.take_limits(dataclasses.replace(controller.parameters.winch, speed_limit=1.0))
-    assert law.largest_share == pytest.approx(0.2)
+    assert law.core.law["unit_share"] * law.winch.record["speed"] == pytest.approx(0.2)
 
 
 def test_a_window_of_figures_counts_the_limits_of_each_tick():
@@ -410,5 +412,5 @@ def test_a_window_of_figures_counts_the_limits_of_each_tick():
     for tick in range(400):
         winch = dataclasses.replace(NOMINAL.winch, speed_limit=1.0 if tick < 300 else 0.9, acceleration_limit=100.0)
         window.take_winch(winch)
-        window.add(0.0, 0.0, 0.0, 0.0, 0.9, 0.0, 1e4, 0.0)
+        add_to_window(window._ring, 0.0, 0.0, 0.0, 0.0, 0.9, 0.0, 1e4, 0.0)
     assert window.figures().time_at_limit == pytest.approx(0.25)

@@ -21,10 +21,11 @@ from wave_vessel_node.parameters import WaveVesselParameters
 from winch_controller_node.adviser.record import Record
 from winch_controller_node.core.component import WinchController
 from winch_controller_node.core.supervision.modes import ModeError
-from winch_controller_node.interface.alarms import HARMFUL
 from winch_controller_node.interface.readings import Measurements, ScalarReading, WinchReading
 from winch_controller_node.model.lqr import DesignError
 from winch_controller_node.node_parameters import WinchControllerParameters
+
+from tests.supervised import HARMFUL
 
 DT = 0.05
 INERTIA, DAMPING = 7.339769, 0.1906759

@@ -7,8 +7,8 @@ import re
 import pytest
 from heave_bringup.closed_loop import ClosedLoop, loop_parameters
 from heave_bringup.scenarios import load_scenario
-from winch_controller_node.core.supervision.entry_gates import peaks_alarm, peaks_words, range_words
 from winch_controller_node.core.supervision.modes import Mode
+from winch_controller_node.core.supervision.supervisor import peaks_alarm, peaks_words, range_words
 from winch_controller_node.laws.parts.winch_limits import WinchLimits
 
 from tests.supervised import Supervised

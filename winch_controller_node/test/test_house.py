@@ -76,7 +76,6 @@ CORE = (
     "beliefs_in_force",
     "design_in_force",
     "loop_command",
-    "state_report",
 )
 """Modules that a ship's controller runs in a tick."""
 

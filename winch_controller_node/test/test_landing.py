@@ -145,10 +145,11 @@ def test_only_a_unit_that_is_compensated_lands(mode):
 def test_a_landing_is_suspected_before_it_is_known_and_a_suspicion_does_not_last():
     lowering = Lowering(stiffness=5e3, speed=0.05, contact=20.0)
     lowering.run(20.0)
-    assert not lowering.landing.may_stand
-    suspected = [lowering.run(20.0 + DT * k) is None and lowering.landing.may_stand for k in range(1, 100)]
+    state = lowering.landing.core.state[0]
+    assert not state["may_stand"]
+    suspected = [lowering.run(20.0 + DT * k) is None and state["may_stand"] for k in range(1, 100)]
     assert any(suspected)
-    assert not lowering.landing.may_stand
+    assert not state["may_stand"]
 
 
 def test_without_a_depth_sensor_the_tension_alone_tells():
@@ -351,7 +352,7 @@ def test_under_a_brake_a_unit_that_stands_is_known_within_seconds_and_is_waited_
     time = np.arange(0.0, 20.0, DT)
     shares = np.maximum(mean * (1.0 + np.sin(2.0 * math.pi / period * time + phase)), 0.0)
     braked, waits = weighed(shares, more=more)
-    assert braked.landing.is_unloaded
+    assert braked.landing.core.state["is_unloaded"][0]
     assert waits[-1] == 0.0
     assert waits[100] == pytest.approx(8.0 - 101 * DT) or np.mean(shares[:101]) > 0.59
 
@@ -359,10 +360,10 @@ def test_under_a_brake_a_unit_that_stands_is_known_within_seconds_and_is_waited_
 def test_a_unit_that_is_hauled_up_hangs_again_and_one_whose_tension_is_held_has_landed():
     braked, _ = weighed([0.0] * 200)
     landing = braked.landing
-    assert landing.is_unloaded
+    assert landing.core.state["is_unloaded"][0]
     for _ in range(159):
         braked.weigh(60e3, 5.0)
-    assert landing.is_unloaded
+    assert landing.core.state["is_unloaded"][0]
     braked.weigh(60e3, 5.0)
     braked.weigh(60e3, 5.0)
     assert landing.hangs

@@ -36,7 +36,8 @@ class Near:
     def are_near(self, tip, unit=0.0):
         x = state_at(tip)
         heave = DESIGN.model.state("unit_heave")
-        x[heave] = unit * self.law.largest_share / self.law.gain[heave]
+        largest = self.law.core.law["unit_share"][0] * self.law.winch.record["speed"][0]
+        x[heave] = unit * largest / self.law.gain[heave]
         self.law.command(LoopState(x, Reference(), DESIGN.cable.static_tension))
         return bool(self.law.core.state["is_near"][0])
 

@@ -11,8 +11,7 @@ from winch_controller_node.adviser.component import Adviser
 from winch_controller_node.core.component import WinchController
 from winch_controller_node.core.design_in_force import DesignInForce, designed
 from winch_controller_node.core.estimation.observation_log import ROWS
-from winch_controller_node.design.carry_sea import carry_sea
-from winch_controller_node.design.design import design_controller, length_followed
+from winch_controller_node.design.design import carry_sea, design_controller, length_followed
 from winch_controller_node.design.feasibility import boom_tip_moments, feasibility_table, uncompensated_sigma
 from winch_controller_node.design.prediction import predict_loop
 from winch_controller_node.design.seas import PATIENCE, SeaSeen, SeaTracker, sea_that_was_seen, sigma_and_frequency
@@ -107,7 +106,6 @@ def test_the_tracker_finds_a_sea_twice_as_high_and_scales_the_noise_by_four():
     for k in range(round(2.0 * PATIENCE / DT)):
         found = tracker.update(2.0 * math.sqrt(2.0) * sigma * math.sin(0.8 * k * DT))
         noise = found if found is not None else noise
-    assert tracker.height_ratio == pytest.approx(2.0, rel=0.02)
     wave = design.model.state("wave_5")
     assert noise is not None
     assert noise[wave, wave] == pytest.approx(4.0 * design.model.noise_covariance[wave, wave], rel=0.05)

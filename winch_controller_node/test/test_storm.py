@@ -5,8 +5,8 @@ import pytest
 from heave_bringup.closed_loop import ClosedLoop, loop_parameters
 from heave_bringup.scenarios import load_scenario, make_scenario
 from heave_node.kpi import snap_times
-from winch_controller_node.interface.alarms import HARMFUL
 
+from tests.supervised import HARMFUL
 from tests.validation.peers.reference_systems import DEEP_900
 
 DT = 0.05

@@ -1,7 +1,7 @@
 """A command timeout is reported with its cause: who was silent."""
 
 import pytest
-from winch_controller_node.core.supervision.watch.timeout_cause import TimeoutCause
+from winch_controller_node.core.supervision.late_commands import TimeoutCause
 from winch_controller_node.interface.readings import Lateness
 
 DT = 0.05

@@ -25,24 +25,16 @@ class MotionSource(Protocol):
 
 
 class MotionSourceEntry(NamedTuple):
-    """What an extra brings.
+    """What an extra brings."""
 
-    Attributes
-    ----------
-    make : puts it in front of a controller with a tick period [s]
-    alarms : that it raises
-    """
-
-    make: Callable[[WinchController, float], MotionSource]
-    alarms: AlarmTable
+    make: Callable[[WinchController, float], MotionSource]  # puts it in front of a controller with a tick period [s]
+    alarms: AlarmTable  # that it raises
 
 
 class NothingInFront:
     """A controller by itself; poses of a crane are not looked at.
 
-    Parameters
-    ----------
-    controller : it is
+    `controller` : it is
     """
 
     def __init__(self, controller: WinchController) -> None:

@@ -13,7 +13,6 @@ from heave_node.parameters import ParameterError, group, parameter
 
 from winch_controller_node.interface.sensors import KNOWN_SENSORS, SensorsModelParameters
 from winch_controller_node.laws.registry import LAWS, PLACE, load_law, parameters_of_place
-from winch_controller_node.parameters.crane import CraneModelParameters
 from winch_controller_node.parameters.envelope import EnvelopeParameters
 from winch_controller_node.parameters.laws import (
     AlarmParameters,
@@ -30,6 +29,7 @@ from winch_controller_node.parameters.laws import (
 )
 from winch_controller_node.parameters.model import (
     CableModelParameters,
+    CraneModelParameters,
     EstimatorParameters,
     SeaModelParameters,
     VesselModelParameters,
@@ -74,30 +74,13 @@ class WinchControllerParameters(LawGroups):
     law_parameters: tuple[str, ...] = parameter(
         (), unit="", description="Parameters of a law that is named by its place, each NAME=VALUE; others have a group."
     )
-    factor: float = parameter(
-        1.0,
-        unit="",
-        minimum=0.0,
-        maximum=1.0,
-        is_live=True,
-        description="Largest authority: fraction of the boom tip's motion that is compensated.",
-    )
-    length: float = parameter(
-        300.0, unit="m", minimum=0.01, maximum=20_000.0, description="Unstretched cable length at payout 0."
-    )
-    water_density: float = parameter(
-        SEAWATER_DENSITY, unit="kg/m^3", minimum=0.0, maximum=2000.0, description="Density of the water."
-    )
-    gravity: float = parameter(
-        STANDARD_GRAVITY, unit="m/s^2", minimum=0.1, maximum=100.0, description="Acceleration of gravity."
-    )
-    boom_tip_height: float = parameter(
-        0.0,
-        unit="m",
-        minimum=-100.0,
-        maximum=200.0,
-        description="Mean height of the boom tip above still water: gives the unit's depth, and how wet its box is.",
-    )
+    factor: float = parameter(1.0, "", 0.0, 1.0,
+        "Largest authority: fraction of the boom tip's motion that is compensated.", is_live=True)  # fmt: skip
+    length: float = parameter(300.0, "m", 0.01, 20_000.0, "Unstretched cable length at payout 0.")
+    water_density: float = parameter(SEAWATER_DENSITY, "kg/m^3", 0.0, 2000.0, "Density of the water.")
+    gravity: float = parameter(STANDARD_GRAVITY, "m/s^2", 0.1, 100.0, "Acceleration of gravity.")
+    boom_tip_height: float = parameter(0.0, "m", -100.0, 200.0,
+        "Mean height of the boom tip above still water: gives the unit's depth, and how wet its box is.")  # fmt: skip
     cable: CableParameters = group(CableParameters)
     unit: UnitParameters = group(UnitParameters)
     cable_model: CableModelParameters = group(CableModelParameters)

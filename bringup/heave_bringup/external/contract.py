@@ -24,7 +24,7 @@ from winch_controller_node.beliefs.beliefs import LATENCY
 from winch_controller_node.core.estimation.preview_watch import MAXIMUM_AGE, PROOF_TIME
 from winch_controller_node.core.supervision.modes import WAIT
 from winch_controller_node.node_parameters import WinchControllerParameters
-from winch_controller_node.parameters.crane import CONFIRMED_AFTER
+from winch_controller_node.parameters.model import CONFIRMED_AFTER
 
 TICK = RunParameters().tick_period
 WINCH = WinchParameters()

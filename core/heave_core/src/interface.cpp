@@ -243,8 +243,6 @@ void heave_core_sea_innovation(const heave::SeaDesign *design, double tick_perio
     heave::note_innovation(*design, tick_period, *sea, nis, sigma);
 }
 
-double heave_core_sea_height(const heave::SeaDesign *design, const heave::SeaSeen *sea) { return heave::height_ratio(*design, *sea); }
-
 double heave_core_sea_waves(const heave::SeaDesign *design, const heave::SeaSeen *sea) { return heave::waves_of(*design, *sea); }
 
 void heave_core_restart_steps(heave::SenseState *state) { state->mru.time = heave::NOT_KNOWN; }

@@ -15,8 +15,7 @@ from winch_controller_node.core.supervision.modes import Mode
 from winch_controller_node.interface.readings import Measurements, Outputs, WinchOrder, WinchReading
 from winch_controller_node.motion.operator_speed import OperatorRange
 from winch_controller_node.node_parameters import WinchControllerParameters, load_chosen_parts
-from winch_controller_node.parameters.crane import CraneModelParameters
-from winch_controller_node.parameters.model import WinchModelParameters
+from winch_controller_node.parameters.model import CraneModelParameters, WinchModelParameters
 
 DT = 0.05
 CRANE = CraneModelParameters(boom_length=20.0, largest_extension_rate=5.0, luff=math.pi / 2)

@@ -14,7 +14,7 @@ from wave_vessel_node.parameters import CraneMotionParameters, PoseSensorParamet
 from wave_vessel_node.vessel.crane_motion import CraneMotion, PoseSensor
 from winch_controller_node.interface.readings import Measurements
 from winch_controller_node.interface.sensors import MruModelParameters
-from winch_controller_node.parameters.crane import CONFIRMED_AFTER, CraneModelParameters
+from winch_controller_node.parameters.model import CONFIRMED_AFTER, CraneModelParameters
 
 CRANE = CraneModelParameters(boom_length=20.0, slew=1.5, luff=0.6)
 NAN = (math.nan,) * 4

@@ -14,7 +14,7 @@ from winch_controller_node.core.component import WinchController
 from winch_controller_node.interface.readings import Measurements, ScalarReading
 from winch_controller_node.interface.sensors import MruModelParameters
 from winch_controller_node.node_parameters import WinchControllerParameters
-from winch_controller_node.parameters.crane import CraneModelParameters
+from winch_controller_node.parameters.model import CraneModelParameters
 
 DT = 0.05
 CRANE = CraneModelParameters(boom_length=22.0, jib_length=8.0, offset=1.5, slew=1.5, luff=0.8, knuckle=-0.6)

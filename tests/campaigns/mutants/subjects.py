@@ -45,7 +45,7 @@ SUBJECTS: dict[str, Subject] = {
     "guard": _controller("core.supervision.guard", "test_guard", "test_guard_checks"),
     "mode machine": _controller("core.supervision.mode_machine", "test_mode_machine", "test_modes"),
     "table of modes": _controller("core.supervision.modes", "test_mode_guards", "test_mode_machine", "test_modes"),
-    "timeout cause": _controller("core.supervision.watch.timeout_cause", "test_timeout_cause"),
+    "timeout cause": _controller("core.supervision.late_commands", "test_timeout_cause"),
     "drum watch": _controller("core.supervision.watch.drum_watch", "test_drum_watch"),
     "encoder reflex": _controller("core.supervision.watch.encoder_reflex", "test_drum_watch"),
     "load watch": _controller("core.supervision.watch.load_watch", "test_load_watch"),

@@ -60,20 +60,12 @@ class Answering:
 
 @dataclass(frozen=True)
 class Comparison:
-    """Answers beside those that were recorded.
+    """Answers beside those that were recorded."""
 
-    Attributes
-    ----------
-    equal : answers with the same bytes
-    different : last ticks of the batches whose answers differ
-    unrecorded : batches without a recorded answer
-    unasked : recorded answers to batches that are not there
-    """
-
-    equal: int
-    different: tuple[int, ...]
-    unrecorded: int
-    unasked: int
+    equal: int  # answers with the same bytes
+    different: tuple[int, ...]  # last ticks of the batches whose answers differ
+    unrecorded: int  # batches without a recorded answer
+    unasked: int  # recorded answers to batches that are not there
 
     @property
     def is_same(self) -> bool:

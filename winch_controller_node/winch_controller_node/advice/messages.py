@@ -35,13 +35,9 @@ _BELIEFS = Packer(
 
 
 def observations_message(observations: Observations, nominal: str, stamp: int) -> bytes:
-    """Return a batch of `observations` as a message.
+    """Return a batch of `observations` as a message of `stamp`, the start of its last tick [ns].
 
-    Parameters
-    ----------
-    observations : the batch
-    nominal : active parameters without any belief, as `parameters_text` gives them
-    stamp : start of the last tick [ns]
+    `nominal` : active parameters without any belief, as `parameters_text` gives them
     """
     o = observations
     return _OBSERVATIONS.pack(

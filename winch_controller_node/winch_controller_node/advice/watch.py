@@ -20,18 +20,13 @@ STEADY = 10
 class AdviserWatch:
     """Questions that were put, and what came of them.
 
-    Parameters
-    ----------
-    tick_period : [s]
-
-    Attributes
-    ----------
-    answered, late, malformed : answers that were taken, that came too late, and that made no sense
+    `tick_period` : [s]
     """
 
     def __init__(self, tick_period: float) -> None:
         self._dt = tick_period
         self._latency = latency_ticks(tick_period)
+        # answers that were taken, that came too late, and that made no sense
         self.answered = self.late = self.malformed = 0
         self._questions: deque[int] = deque(maxlen=QUESTIONS_KEPT)
         self._unanswered: int | None = None

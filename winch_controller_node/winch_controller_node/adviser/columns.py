@@ -37,18 +37,11 @@ JUDGED = {
 
 @dataclass(frozen=True)
 class Columns:
-    """A record in columns.
+    """A record in columns."""
 
-    Attributes
-    ----------
-    data : as a pass takes it
-    index : of the column of a sensor, a kind and an onset
-    onsets : first tick of each onset
-    """
-
-    data: PassInput
-    index: dict[tuple[str, str, int], int]
-    onsets: tuple[int, ...]
+    data: PassInput  # as a pass takes it
+    index: dict[tuple[str, str, int], int]  # of the column of a sensor, a kind and an onset
+    onsets: tuple[int, ...]  # first tick of each onset
 
 
 def in_columns(

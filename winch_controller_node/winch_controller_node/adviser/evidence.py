@@ -26,19 +26,12 @@ NEAR = (np.linspace(0.9, 1.1, 21), np.linspace(0.992, 1.008, 9))
 
 
 class Fitted(NamedTuple):
-    """The best correction.
+    """The best correction."""
 
-    Attributes
-    ----------
-    weight, sigma : of the column, and its standard deviation
-    loss : of the record with it [nats]
-    misfits : mean squared normalised innovation of each judged measurement
-    """
-
-    weight: float
-    sigma: float
-    loss: float
-    misfits: Array
+    weight: float  # weight of the column [-]
+    sigma: float  # standard deviation of the weight [-]
+    loss: float  # of the record with it [nats]
+    misfits: Array  # mean squared normalised innovation of each judged measurement
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,17 +40,11 @@ class Evidence:
 
     loss = sum over the judged measurements of N/2 (log(max(q, 1)) + mean log S), q = w' G w: the noise is what is left,
     one independent value a second, so that what a model leaves counts as noise and not as thousands of nats.
-
-    Attributes
-    ----------
-    grams : G of each judged measurement, (k, c, c)
-    spreads : mean log S of each (k,)
-    counts : N of each (k,)
     """
 
-    grams: Array
-    spreads: Array
-    counts: Array
+    grams: Array  # G of each judged measurement, (k, c, c)
+    spreads: Array  # mean log S of each (k,)
+    counts: Array  # N of each (k,)
 
     def loss(self, misfits: Array) -> float:
         """Return the loss [nats] of `misfits`."""

@@ -31,51 +31,31 @@ STOPPED = 30.0
 
 @dataclass(frozen=True, eq=False)
 class PassModel:
-    """A sampled model as a pass needs it.
+    """A sampled model as a pass needs it."""
 
-    Attributes
-    ----------
-    F, B, Q : transition (n, n), input (n,), covariance of the process noise of a tick (n, n)
-    start : covariance of the state at the start (n, n)
-    rows : of each measurement on the state of its tick, and its first and second differences over ticks (3, k, n)
-    drag, slack : of unit and cable, which go by the speed and the slack that were seen
-    state_names : of the n states
-    """
-
-    F: Array
-    B: Array
-    Q: Array
-    start: Array
+    F: Array  # transition, shape (n, n)
+    B: Array  # input, shape (n,)
+    Q: Array  # covariance of the process noise of a tick, shape (n, n)
+    start: Array  # covariance of the state at the start (n, n)
+    # of each measurement on the state of its tick, and its first and second differences over ticks (3, k, n)
     rows: Array
-    drag: Drag
-    slack: Slack
-    state_names: tuple[str, ...]
+    drag: Drag  # drag of the unit, which goes by the speed that was seen
+    slack: Slack  # slack of the cable, as it was seen
+    state_names: tuple[str, ...]  # of the n states
 
 
 @dataclass(frozen=True, eq=False)
 class PassInput:
-    """A record in columns.
+    """A record in columns."""
 
-    Attributes
-    ----------
-    commands : in effect at each tick, (t, c)
-    ends : where the readings of each tick end in the tables below, (t,)
-    which : measurement of each reading (m,)
-    offsets : how much later than its tick it was measured (m,) [ticks]
-    variances : of its noise (m,)
-    values : (m, c)
-    unit_speed : absolute speed of the unit at each tick, by which its drag goes (t,) [m/s]
-    missing_push : by how much a linear cable would push the unit more than it did, slack, at each tick (t,) [m]
-    """
-
-    commands: Array
-    ends: NDArray[np.int64]
-    which: NDArray[np.int64]
-    offsets: Array
-    variances: Array
-    values: Array
-    unit_speed: Array
-    missing_push: Array
+    commands: Array  # in effect at each tick, (t, c)
+    ends: NDArray[np.int64]  # where the readings of each tick end in the tables below, (t,)
+    which: NDArray[np.int64]  # measurement of each reading (m,)
+    offsets: Array  # how much later than its tick it was measured (m,) [ticks]
+    variances: Array  # of its noise (m,)
+    values: Array  # (m, c)
+    unit_speed: Array  # absolute speed of the unit at each tick, by which its drag goes (t,) [m/s]
+    missing_push: Array  # by how much a linear cable would push the unit more than it did, slack, at each tick (t,) [m]
 
     def among(self, columns: NDArray[np.int64]) -> PassInput:
         """Return it with some of its `columns` only."""
@@ -88,29 +68,16 @@ class PassInput:
 
 @dataclass(frozen=True, eq=False)
 class PassResult:
-    """What a pass leaves.
+    """What a pass leaves."""
 
-    Attributes
-    ----------
-    innovations : of each reading in each column, over the standard deviation that the filter foresaw, (m, c)
-    variances : that it foresaw (m,)
-    state, covariance : at the end, (n, c) and (n, n)
-    """
-
-    innovations: Array
-    variances: Array
-    state: Array
-    covariance: Array
+    innovations: Array  # of each reading in each column, over the standard deviation that the filter foresaw, (m, c)
+    variances: Array  # that it foresaw (m,)
+    state: Array  # at the end, shape (n, c)
+    covariance: Array  # at the end, shape (n, n)
 
 
 def run_pass(model: PassModel, record: PassInput, used: NDArray[np.bool_]) -> PassResult:
-    """Go through a `record` with a `model`.
-
-    Parameters
-    ----------
-    model, record : see there
-    used : which measurements the filter takes, (k,); of the others innovations are noted only
-    """
+    """Go through a `record` with a `model`. Of measurements that are not `used`, (k,), innovations are noted only."""
     state, covariance = np.zeros((len(model.F), record.values.shape[1])), model.start.copy()
     readings = np.column_stack((record.which, record.offsets, record.variances, used[record.which]))
     innovations, variances = follow(

@@ -108,41 +108,26 @@ SAME = 0.02
 
 
 class Change(NamedTuple):
-    """A quantity and the value that a hypothesis gives it.
+    """A quantity and the value that a hypothesis gives it."""
 
-    Attributes
-    ----------
-    value, sigma : in its unit
-    since : first tick that shows it
-    """
-
-    value: float
-    sigma: float
-    since: int
+    value: float  # in its unit
+    sigma: float  # standard deviation, in its unit
+    since: int  # first tick that shows it
 
 
 @dataclass(frozen=True, eq=False)
 class Hypothesis:
-    """What is held, and how well it explains the record.
+    """What is held, and how well it explains the record."""
 
-    Attributes
-    ----------
-    changes : against the present beliefs, by quantity
-    excluded : sensor that is left out; empty: none
-    loss, price : of the record, and of all that is held other than nominal [nats]
-    misfits : mean squared normalised innovation by measurement
-    motion : that the sensor which is left out should have read over its noise, 1 sigma; NaN: none is
-    state, covariance, state_names : at the end of the record
-    """
-
-    changes: Mapping[str, Change]
-    excluded: str
-    loss: float
-    price: float
-    misfits: Mapping[str, float]
-    state: Array = field(repr=False)
-    covariance: Array = field(repr=False)
-    state_names: tuple[str, ...] = field(repr=False)
+    changes: Mapping[str, Change]  # against the present beliefs, by quantity
+    excluded: str  # sensor that is left out; empty: none
+    loss: float  # of the record [nats]
+    price: float  # of all that is held other than nominal [nats]
+    misfits: Mapping[str, float]  # mean squared normalised innovation by measurement
+    state: Array = field(repr=False)  # at the end of the record
+    covariance: Array = field(repr=False)  # of that state
+    state_names: tuple[str, ...] = field(repr=False)  # names of its components
+    # that the sensor which is left out should have read over its noise, 1 sigma [-]; NaN: none is
     motion: float = math.nan
 
     @property
@@ -162,28 +147,17 @@ class Hypothesis:
 
 @dataclass(frozen=True)
 class Assumed:
-    """What a judgement begins with.
+    """What a judgement begins with."""
 
-    Attributes
-    ----------
-    nominal : parameters
-    parameters : under the present beliefs
-    cable : two-state cable of the length that is out, under the present beliefs
-    design : the active one: states at the start are as uncertain as its
-    values : assumed other than nominal, by quantity
-    history : of the sensors
-    excluded : sensor that is left out; empty: none
-    drum_gain : of the winch by the encoder as it reads, over its nominal one; a gain counts as assumed
-        as it is near to nominal
-    """
-
-    nominal: WinchControllerParameters
-    parameters: WinchControllerParameters
-    cable: CableModel
-    design: ControllerDesign
-    values: Mapping[str, float]
-    history: SensorHistory
-    excluded: str = ""
+    nominal: WinchControllerParameters  # parameters
+    parameters: WinchControllerParameters  # under the present beliefs
+    cable: CableModel  # two-state cable of the length that is out, under the present beliefs
+    design: ControllerDesign  # the active one: states at the start are as uncertain as its
+    values: Mapping[str, float]  # assumed other than nominal, by quantity
+    history: SensorHistory  # of the sensors
+    excluded: str = ""  # sensor that is left out; empty: none
+    # of the winch by the encoder as it reads, over its nominal one [-]; a gain counts as assumed as it is near to
+    # nominal
     drum_gain: float = 1.0
 
     def value(self, quantity: str) -> float:

@@ -68,11 +68,6 @@ class Judge:
     excerpt : the last minute
     assumed : the beliefs so far
     onsets : times before its end from which on something may be wrong [s]
-
-    Attributes
-    ----------
-    used : measurements that are judged
-    present : the present beliefs, judged
     """
 
     def __init__(self, excerpt: Excerpt, assumed: Assumed, onsets: tuple[float, ...] = ONSETS) -> None:
@@ -80,7 +75,7 @@ class Judge:
         self._parameters = linear(assumed.parameters)
         plain, model = pass_model(self._parameters, assumed.cable, assumed.design)
         measurements = measurement_models(self._parameters, model, assumed.cable)
-        self.used = tuple(known.name for known in measurements)
+        self.used = tuple(known.name for known in measurements)  # measurements that are judged
         self._sensors = tuple(known.sensor for known in measurements)
         self._excerpt = excerpt.of(self.used)
         self._measurements, self._onsets = measurements, onsets
@@ -93,7 +88,7 @@ class Judge:
         }
         result = run_pass(plain, self._alone, self._taken_without(assumed.excluded))
         self._shows_unit = self._unit_is_shown(result)
-        self.present = self._hypotheses({}, assumed.excluded, [], plain, result)[0]
+        self.present = self._hypotheses({}, assumed.excluded, [], plain, result)[0]  # the present beliefs, judged
 
     @cached_property
     def _columns(self) -> Columns:

@@ -28,9 +28,7 @@ LENGTH = 120.0
 class Record:
     """Keeps the batches of the last two minutes; a new epoch begins a new record.
 
-    Parameters
-    ----------
-    tick_period : [s]
+    `tick_period` : [s]
     """
 
     def __init__(self, tick_period: float) -> None:
@@ -70,20 +68,13 @@ class Record:
 
 @dataclass(frozen=True, eq=False)
 class Excerpt:
-    """A record without a break.
+    """A record without a break."""
 
-    Attributes
-    ----------
-    first : number of its first tick
-    ticks, rows, readings : as in `Observations`; readings in the order of their own ticks
-    dt : tick period [s]
-    """
-
-    first: int
-    ticks: Array
-    rows: tuple[str, ...]
-    readings: Array
-    dt: float
+    first: int  # number of its first tick
+    ticks: Array  # as in `Observations`
+    rows: tuple[str, ...]  # as in `Observations`
+    readings: Array  # as in `Observations`, in the order of their own ticks
+    dt: float  # tick period [s]
 
     @property
     def last(self) -> int:
@@ -129,16 +120,11 @@ class Excerpt:
 
 
 class SensorHistory(NamedTuple):
-    """Assumed corrections of the sensors over the record.
+    """Assumed corrections of the sensors over the record."""
 
-    Attributes
-    ----------
-    corrections : sensor, tick since which it holds, correction; the later holds
-    encoder : its scales, the oldest first
-    """
-
+    # sensor, tick since which it holds, correction; the later holds
     corrections: tuple[tuple[str, int, Correction], ...] = ()
-    encoder: tuple[EncoderScale, ...] = ()
+    encoder: tuple[EncoderScale, ...] = ()  # its scales, the oldest first
 
     def correction(self, sensor: str) -> Correction:
         """Return the newest of a `sensor`."""

@@ -15,9 +15,7 @@ SETTLED, LONGEST = 10.0, 40.0
 class Report:
     """Says what has changed since it last said so.
 
-    Parameters
-    ----------
-    parameters : nominal
+    `parameters` : nominal
     """
 
     def __init__(self, parameters: WinchControllerParameters) -> None:

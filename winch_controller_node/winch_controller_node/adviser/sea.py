@@ -56,9 +56,7 @@ SEA_PATIENCE, LONGER, LONGEST_SEA_PATIENCE = 5.0, 1.3, 120.0
 class SeaLooks:
     """The sea that is seen, and when it is compared with others.
 
-    Parameters
-    ----------
-    design : the active one
+    `design` : the active one
     """
 
     def __init__(self, design: ControllerDesign) -> None:

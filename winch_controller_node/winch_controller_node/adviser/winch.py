@@ -81,23 +81,16 @@ CHECKED = 5
 
 @dataclass(frozen=True)
 class WinchAnswer:
-    """What a look at the drum has found.
+    """What a look at the drum has found."""
 
-    Attributes
-    ----------
-    changed : beliefs by quantity; empty: the present beliefs are as good
-    nominal : quantities that are as nominal again
-    factor : tick since which the encoder reads otherwise, its factor on its assumed scale, the standard deviation
-        of that, and by how much it has jumped there [m]; None: as assumed
-    gain : of the drum by the encoder's assumed scale, over the nominal one
-    nats : by how much better the record is explained
-    """
-
+    # beliefs by quantity; empty: the present beliefs are as good
     changed: Mapping[str, Belief] = field(default_factory=dict)
-    nominal: frozenset[str] = frozenset()
+    nominal: frozenset[str] = frozenset()  # quantities that are as nominal again
+    # tick since which the encoder reads otherwise, its factor on its assumed scale, the standard deviation of that, and
+    # by how much it has jumped there [m]; None: as assumed
     factor: tuple[int, float, float, float] | None = None
-    gain: float = 1.0
-    nats: float = 0.0
+    gain: float = 1.0  # of the drum by the encoder's assumed scale, over the nominal one [-]
+    nats: float = 0.0  # by how much better the record is explained [nats]
 
 
 @dataclass
@@ -106,15 +99,10 @@ class LimitProbe:
 
     The controller keeps below the limit that it assumes, and so never learns that it is gone. Where the drum has been
     at it and the record does as well without, each step is twice the last one.
-
-    Attributes
-    ----------
-    step : by which it is raised next, relative
-    wait : times the usual time for which it stands first
     """
 
-    step: float = LIMIT_STEP
-    wait: int = 1
+    step: float = LIMIT_STEP  # by which it is raised next, relative [-]
+    wait: int = 1  # times the usual time for which it stands first
     _stood: float = 0.0
     _is_raised: bool = False
 
@@ -167,11 +155,8 @@ class WinchIdentifier:
     def look(self, excerpt: Excerpt, history: SensorHistory, assumed: Mapping[str, float]) -> WinchAnswer | None:
         """Return what the last seconds say of the winch; None: too little.
 
-        Parameters
-        ----------
-        excerpt : of `length`, or what there is
-        history : assumed scales of the encoder over the record
-        assumed : of the winch, by quantity
+        `excerpt` is of `length`, or what there is; `history` has the encoder's assumed scales over the record,
+        `assumed` is the winch by quantity.
         """
         record = drum_record(excerpt, self._lag.window, self._ahead, history, self._winch.position_gain)
         if record is None or record.duration < SHORTEST or record.duration < 0.5 * len(record.readings) * self._dt:

@@ -40,100 +40,60 @@ USED = 0.97
 
 
 class Belief(NamedTuple):
-    """A quantity that is assumed to be other than nominal.
+    """A quantity that is assumed to be other than nominal."""
 
-    Attributes
-    ----------
-    quantity : name in `QUANTITIES`
-    value, sigma : in its unit, with its standard deviation (NaN: not known)
-    nats : by how much likelier the record is than with the nominal value, price taken off
-    since : tick since which it is so
-    """
-
-    quantity: str
-    value: float
-    sigma: float = math.nan
-    nats: float = math.nan
-    since: int = 0
+    quantity: str  # name in `QUANTITIES`
+    value: float  # in its unit
+    sigma: float = math.nan  # standard deviation of the value, in its unit; NaN: not known
+    nats: float = math.nan  # by how much likelier the record is than with the nominal value, price taken off [nats]
+    since: int = 0  # tick since which it is so
 
 
 class Finding(NamedTuple):
-    """Something to be reported to a person; `report` turns it into a sentence.
+    """Something to be reported to a person; `report` turns it into a sentence."""
 
-    Attributes
-    ----------
-    code : of the kind of finding, a row of its table
-    quantity : that it is about, or the owner alone ("depth", "cable")
-    value, unit, nominal : what was found, in its unit, beside what the parameters say; NaN where there is no number
-    nats : evidence
-    since : tick
-    """
-
-    code: str
-    quantity: str
-    value: float = math.nan
-    unit: str = ""
-    nominal: float = math.nan
-    nats: float = math.nan
-    since: int = 0
+    code: str  # of the kind of finding, a row of its table
+    quantity: str  # that it is about, or the owner alone ("depth", "cable")
+    value: float = math.nan  # what was found, in its unit; NaN where there is no number
+    unit: str = ""  # of the value
+    nominal: float = math.nan  # what the parameters say, in its unit; NaN where there is no number
+    nats: float = math.nan  # evidence [nats]
+    since: int = 0  # tick
 
 
 class Adopted(NamedTuple):
-    """State of the loop as the adviser's filter has it under these beliefs; the core goes on from there.
+    """State of the loop as the adviser's filter has it under these beliefs; the core goes on from there."""
 
-    Attributes
-    ----------
-    tick : to which it belongs
-    estimate, covariance : of the states of the design, shapes (n,) and (n, n)
-    """
-
-    tick: int
-    estimate: Array
-    covariance: Array
+    tick: int  # to which it belongs
+    estimate: Array  # of the states of the design, shape (n,)
+    covariance: Array  # of that estimate, shape (n, n)
 
 
 class EncoderScale(NamedTuple):
-    """Scale of the encoder from a tick on: payout + (what it reads - reading) / scale.
+    """Scale of the encoder from a tick on: payout + (what it reads - reading) / scale."""
 
-    Attributes
-    ----------
-    since : tick
-    scale : reading over payout [-]
-    reading, payout : that belong together under it [m]
-    """
-
-    since: int = 0
-    scale: float = 1.0
-    reading: float = 0.0
-    payout: float = 0.0
+    since: int = 0  # tick
+    scale: float = 1.0  # reading over payout [-]
+    reading: float = 0.0  # one reading of the encoder [m]
+    payout: float = 0.0  # payout that belongs to that reading [m]
 
 
 @dataclass(frozen=True)
 class Beliefs:
-    """An answer of the adviser.
+    """An answer of the adviser."""
 
-    Attributes
-    ----------
-    asked : last tick of the observations that it answers; active from LATENCY later on
-    number : grows with each answer that differs from the one before
-    values : assumed other than nominal, by quantity
-    encoder : scale of the encoder, and from where on; None: it has always been nominal
-    excluded : sensor that is in use and contradicts all others: its readings are a cross-check only; empty: none
-    authority : largest authority allowed with what is known [-]
-    findings : new in this answer
-    design : for these beliefs; None: the active one stays (limits and gains of the winch need none)
-    adopted : None: the core carries its own estimate over
-    """
-
-    asked: int
-    number: int = 0
+    asked: int  # last tick of the observations that it answers; active from LATENCY later on
+    number: int = 0  # grows with each answer that differs from the one before
+    # assumed other than nominal, by quantity
     values: MappingProxyType[str, Belief] = field(default_factory=lambda: MappingProxyType({}))
-    encoder: EncoderScale | None = None
+    encoder: EncoderScale | None = None  # scale of the encoder, and from where on; None: it has always been nominal
+    # sensor that is in use and contradicts all others: its readings are a cross-check only; empty: none
     excluded: str = ""
-    authority: float = 1.0
-    findings: tuple[Finding, ...] = ()
+    authority: float = 1.0  # largest authority allowed with what is known [-]
+    findings: tuple[Finding, ...] = ()  # new in this answer
+    # for these beliefs; None: the active one stays (limits and gains of the winch need none)
     design: ControllerDesign | None = None
-    adopted: Adopted | None = None
+    adopted: Adopted | None = None  # None: the core carries its own estimate over
 
     def value(self, quantity: str, nominal: WinchControllerParameters) -> float:
         """Return the assumed value of a `quantity` whose `nominal` value the parameters say."""
@@ -179,18 +139,14 @@ def latency_ticks(tick_period: float) -> int:
 
 
 class Correction(NamedTuple):
-    """What a sensor reads is taken as (reading - offset) / scale at its stamp less delay; of a rate without the offset.
+    """What a sensor reads is taken as (reading - offset) / scale at its stamp less delay.
 
-    Attributes
-    ----------
-    scale : reading over truth [-]
-    offset : of a reading [in its unit]
-    delay : of its stamp behind the truth [s]
+    A rate is taken without the offset.
     """
 
-    scale: float = 1.0
-    offset: float = 0.0
-    delay: float = 0.0
+    scale: float = 1.0  # reading over truth [-]
+    offset: float = 0.0  # of a reading [in its unit]
+    delay: float = 0.0  # of its stamp behind the truth [s]
 
 
 AS_READ = Correction()

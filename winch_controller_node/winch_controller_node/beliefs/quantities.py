@@ -22,28 +22,18 @@ MRU_OFFSET, MRU_DELAY = "mru.offset", "mru.delay"
 
 @dataclass(frozen=True)
 class Quantity:
-    """A quantity.
+    """A quantity."""
 
-    Attributes
-    ----------
-    name : by which messages, findings and reports know it: its owner (winch, encoder, mru, depth, cable, sea), a dot,
-        and what it is
-    unit : SI; empty for a ratio
-    path : of the parameter that holds it; empty: none does, and `nominal` is its nominal value
-    nominal : without a parameter
-    relative, absolute : change that is worth a report: of its logarithm, or in its unit; neither: any change
-    label : in words, where all that is new of its owner is one report
-    alarm : name of the alarm that it differs from nominal, where it has one of its own
-    """
-
+    # by which messages, findings and reports know it: its owner (winch, encoder, mru, depth, cable, sea), a dot, and
+    # what it is
     name: str
-    unit: str
-    path: str = ""
-    nominal: float = 0.0
-    relative: float = 0.0
-    absolute: float = 0.0
-    label: str = ""
-    alarm: str = ""
+    unit: str  # SI; empty for a ratio
+    path: str = ""  # of the parameter that holds it; empty: none does, and `nominal` is its nominal value
+    nominal: float = 0.0  # nominal value where no parameter gives it, in its unit
+    relative: float = 0.0  # change of its logarithm that is worth a report [-]; 0 here and in `absolute`: any change
+    absolute: float = 0.0  # change that is worth a report, in its unit
+    label: str = ""  # in words, where all that is new of its owner is one report
+    alarm: str = ""  # name of the alarm that it differs from nominal, where it has one of its own
 
     @property
     def owner(self) -> str:

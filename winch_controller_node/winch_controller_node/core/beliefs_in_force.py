@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 from heave_node.interface.alarm import Alarm
 
 from winch_controller_node.beliefs.beliefs import (
@@ -18,10 +20,52 @@ from winch_controller_node.beliefs.quantities import ENCODER_SCALE, QUANTITIES, 
 from winch_controller_node.beliefs.words import alarms_of
 from winch_controller_node.core.design_in_force import DesignInForce, designed
 from winch_controller_node.core.estimation.loop_estimation import LoopEstimation
-from winch_controller_node.core.supervision.watch.adviser_trust import AdviserTrust
 from winch_controller_node.core.supervision.watch.winch_watch import WinchWatch
 from winch_controller_node.design.design import ControllerDesign
+from winch_controller_node.interface.alarms import ALARMS
 from winch_controller_node.node_parameters import WinchControllerParameters
+
+FIRST_TIME, GROWTH, MOST = 60.0, 4.0, 3
+"""Time for which no answer is used the first time [s], the factor by which it grows, and the count after which none is
+used any more."""
+
+
+class AdviserTrust:
+    """Whether the adviser's answers are used: not for a time where they cannot be, or the readings contradict them.
+
+    Each time is longer than the one before, and a count ends it. `tick_period` : [s]
+    """
+
+    def __init__(self, tick_period: float) -> None:
+        self._dt = tick_period
+        self._until = 0.0
+        self.count = 0  # times that it was wrong
+        self._news: list[Alarm] = []
+
+    def accepts(self, tick: int) -> bool:
+        """Tell whether answers are used at a `tick`."""
+        return tick * self._dt >= self._until
+
+    def contradict(self, fault: str, tick: int) -> None:
+        """Use no answer for a time from a `tick` on, for a `fault` in words."""
+        time = FIRST_TIME * GROWTH**self.count
+        self.count += 1
+        if self.count < MOST:
+            self._until = tick * self._dt + time
+            self._news.append(ALARMS.alarm("ADVISER_WRONG: set aside", fault=fault, time=time))
+        else:
+            self._until = math.inf
+            self._news.append(ALARMS.alarm("ADVISER_WRONG: excluded", fault=fault, count=self.count))
+
+    def restart(self) -> None:
+        """Use answers again: an operator has restated what is nominal."""
+        self._until, self.count = 0.0, 0
+
+    def news(self) -> list[Alarm]:
+        """Return, once, what is new."""
+        found, self._news = self._news, []
+        return found
+
 
 NONE = Beliefs(asked=-1)
 """All is nominal."""
@@ -39,33 +83,24 @@ OWN = "encoder"
 class BeliefsInForce:
     """Nominal parameters and the active beliefs: their only home in the core.
 
-    Parameters
-    ----------
-    in_force, estimation, winch : what goes by the beliefs
-
-    Attributes
-    ----------
-    nominal : parameters as an operator has stated them
-    restated : those that have changed since the start, and what to, by path
-    beliefs : the active ones
-    refused : answers that came too late, so far
-    trust : whether the answers of the adviser are used
-    corrected : owners whose assumed values have changed in this tick: winch, cable, a sensor
-    has_moved_tip : the boom tip is taken to be elsewhere since this tick: what was seen of the sea is void
+    `in_force`, `estimation`, `winch` : what goes by the beliefs
     """
 
     def __init__(self, in_force: DesignInForce, estimation: LoopEstimation, winch: WinchWatch) -> None:
         self._in_force, self._estimation, self._winch = in_force, estimation, winch
         self._latency = latency_ticks(in_force.design.tick_period)
         self._first = in_force.parameters
-        self.nominal: WinchControllerParameters = self._first
+        self.nominal: WinchControllerParameters = self._first  # parameters as an operator has stated them
+        # those that have changed since the start, and what to, by path
         self.restated: tuple[tuple[str, float], ...] = ()
-        self.beliefs = NONE
+        self.beliefs = NONE  # the active ones
         self._pending: Beliefs | None = None
-        self.refused = 0
-        self.trust = AdviserTrust(in_force.design.tick_period)
+        self.refused = 0  # answers that came too late, so far
+        self.trust = AdviserTrust(in_force.design.tick_period)  # whether the answers of the adviser are used
         self._plain: ControllerDesign | None = self._in_force.design
+        # owners whose assumed values have changed in this tick: winch, cable, a sensor
         self.corrected: set[str] = set()
+        # the boom tip is taken to be elsewhere since this tick: what was seen of the sea is void
         self.has_moved_tip = False
 
     def offer(self, beliefs: Beliefs, next_tick: int) -> bool:

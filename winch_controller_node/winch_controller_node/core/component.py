@@ -17,14 +17,20 @@ from winch_controller_node.core.envelope import Asked
 from winch_controller_node.core.estimation.loop_tick import LoopTick
 from winch_controller_node.core.events import ControllerEvents
 from winch_controller_node.core.loop_command import Tick
-from winch_controller_node.core.state_report import Known, state_report
 from winch_controller_node.core.supervision.modes import Mode, ModeOutput, loop_words
 from winch_controller_node.core.supervision.proofs import Driven, Proven
 from winch_controller_node.core.supervision.supervisor import Decision, WinchSituation
 from winch_controller_node.design.prediction import predict_loop
 from winch_controller_node.interface.alarms import ALARMS
 from winch_controller_node.interface.observations import Observations
-from winch_controller_node.interface.readings import Measurements, Outputs, Report, RollingKpi, WinchOrder, WinchReading
+from winch_controller_node.interface.readings import (
+    Measurements,
+    Outputs,
+    Report,
+    RollingKpi,
+    WinchOrder,
+    WinchReading,
+)
 
 DYNAMIC_LIMITS = int(~WinchLimit.PAYOUT)
 """Limits of the winch that a sea takes it to."""
@@ -99,10 +105,33 @@ class WinchController(ControllerEvents):
         ]
         sensors = tuple(state.reported(does) for state in states)
         reason = self.modes.reason if self.mode is decision.mode.mode else decision.mode.reason
-        known = Known(
-            self.design, self._in_force.law, self.estimator, self._estimation.depth_set_point, sensors, reason
+        command, law, estimator = self._command.last, self._in_force.law, self.estimator
+        innovation, innovation_sigma, nis, _ = loop.said.T.tolist()
+        return Report(
+            mode=decision.mode.mode.value,
+            law=law.name,
+            reason=reason,
+            state_names=self.design.model.state_names,
+            estimate=tuple(loop.estimate.tolist()),
+            covariance_diagonal=tuple(estimator.covariance.diagonal().tolist()),
+            measurement_names=tuple(estimator.measurements),
+            innovation=tuple(innovation),
+            innovation_sigma=tuple(innovation_sigma),
+            nis=tuple(nis),
+            gain=tuple(law.gain.tolist()),
+            predicted_unit_heave=loop.unit,
+            predicted_boom_tip_heave=loop.tip,
+            predicted_uncompensated_heave=loop.free,
+            payout_set_point=order.payout,
+            payout_rate_set_point=order.payout_rate,
+            depth_set_point=self._estimation.depth_set_point,
+            authority=decision.mode.authority,
+            active_limits=tuple(dict.fromkeys(command.governed.active + command.asked.active)),
+            solver_status=command.asked.status,
+            solver_iterations=command.asked.iterations,
+            sensors=sensors,
+            is_inhibited=decision.is_inhibited,
         )
-        return state_report(loop, decision, self._command.last, order, known)
 
     def _does(self, loop: LoopTick, decision: Decision) -> str:
         """Return what the loop does, in words."""
@@ -115,11 +144,7 @@ class WinchController(ControllerEvents):
     ) -> WinchOrder:
         """Return the order that leaves, in the encoder's count, within the envelope; all go by what is sent.
 
-        Parameters
-        ----------
-        loop, decision : of the tick
-        measurements : of the tick
-        preview : to be used; None: none is
+        `preview` : to be used; None: none is
         """
         motion, winch, command = self._estimation.motion, measurements.winch, self._command
         self.envelope.read(

@@ -7,8 +7,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 from heave_node.numerics.arrays import Array
 
-from winch_controller_node.design.carry_sea import carry_sea
-from winch_controller_node.design.design import ControllerDesign, carry_by_name, design_controller, length_followed
+from winch_controller_node.design.design import (
+    ControllerDesign,
+    carry_by_name,
+    carry_sea,
+    design_controller,
+    length_followed,
+)
 from winch_controller_node.laws.law import ControlLaw
 from winch_controller_node.model.lqr import DesignError
 from winch_controller_node.node_parameters import WinchControllerParameters
@@ -17,17 +22,11 @@ from winch_controller_node.parameters.model import WinchModelParameters
 
 @dataclass(frozen=True)
 class PreparedDesign:
-    """A design that could be active.
+    """A design that could be active."""
 
-    Attributes
-    ----------
-    parameters : that it was made from
-    design, law : the law at its initial state
-    """
-
-    parameters: WinchControllerParameters
-    design: ControllerDesign
-    law: ControlLaw
+    parameters: WinchControllerParameters  # that it was made from
+    design: ControllerDesign  # the active design
+    law: ControlLaw  # its law at the initial state
 
 
 class DesignInForce:
@@ -39,18 +38,13 @@ class DesignInForce:
     tick_period : [s]
 
     Raises DesignError where no controller can be designed from the parameters.
-
-    Attributes
-    ----------
-    design : the active one
-    law : of the design, begun with it
     """
 
     def __init__(self, parameters: WinchControllerParameters, *, tick_period: float) -> None:
         self._dt = tick_period
         self.parameters = parameters
-        self.design = designed(parameters, 0.0, tick_period)
-        self.law = self.design.make_law()
+        self.design = designed(parameters, 0.0, tick_period)  # the active one
+        self.law = self.design.make_law()  # of the design, begun with it
 
     def prepared(self, parameters: WinchControllerParameters, payout: float) -> PreparedDesign:
         """Design again from `parameters` for a mean `payout` [m], changing nothing yet; takes longer than a tick.
@@ -107,13 +101,7 @@ class DesignInForce:
 
 
 def designed(parameters: WinchControllerParameters, payout: float, tick_period: float) -> ControllerDesign:
-    """Return the design for the length of cable that is out.
-
-    Parameters
-    ----------
-    parameters : to design from
-    payout : beyond the length of the parameters [m]
-    tick_period : [s]
+    """Return the design from `parameters` for the cable that is out at a `payout` [m], with ticks of `tick_period` [s].
 
     Raises DesignError where that cannot be designed.
     """

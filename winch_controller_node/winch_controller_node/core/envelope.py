@@ -78,32 +78,20 @@ FREE, RESTS, LIMITED = (
 
 
 class Asked(NamedTuple):
-    """What an operator has asked for, by a mode and its requests.
+    """What an operator has asked for, by a mode and its requests."""
 
-    Attributes
-    ----------
-    mode : active
-    move : last request for the mean payout
-    tension : to hold [N]; NaN: none
-    lift_rate : at which the mean payout is carried along where the place moves about which the tip heaves [m/s]
-    is_damped_blind : a fade-out damps the unit by the depth sensor alone
-    """
-
-    mode: Mode
-    move: MoveRequest
-    tension: float = math.nan
+    mode: Mode  # active
+    move: MoveRequest  # last request for the mean payout
+    tension: float = math.nan  # to hold [N]; NaN: none
+    # at which the mean payout is carried along where the place moves about which the tip heaves [m/s]
     lift_rate: float = 0.0
-    is_damped_blind: bool = False
+    is_damped_blind: bool = False  # a fade-out damps the unit by the depth sensor alone
 
 
 def nominal_design(parameters: WinchControllerParameters, cable: CableModel, tick_period: float) -> dict[str, Any]:
-    """Return the values of the core's `Design`.
+    """Return the values of the core's `Design`, with ticks of `tick_period` [s].
 
-    Parameters
-    ----------
-    parameters : as an operator states them
-    cable : nominal two-state cable at payout 0
-    tick_period : [s]
+    `parameters` are as an operator states them; `cable` is the nominal two-state cable at payout 0.
     """
     tension = cable.static_tension if math.isfinite(cable.static_tension) else 0.0
     ratio = parameters.limits.maximum_tension_ratio
@@ -160,11 +148,6 @@ class OrderEnvelope:
     cable : nominal two-state cable at payout 0
     tick_period : [s]
     source : of the orders, as an alarm names it
-
-    Attributes
-    ----------
-    records : of the core, by name
-    reason : why it has taken over, until an operator acknowledges; None: it has not
     """
 
     def __init__(
@@ -182,8 +165,9 @@ class OrderEnvelope:
         self._depth, self._cause = math.nan, 0.0
         self._jumps = Episode(tick_period)
         self._move: MoveRequest | None = None
+        # of the core, by name
         self.records = self._core.records if self._is_active else {**self._core.records, "envelope": None}
-        self.reason: Alarm | None = None
+        self.reason: Alarm | None = None  # why it has taken over, until an operator acknowledges; None: it has not
 
     def take_nominal(self, parameters: WinchControllerParameters) -> None:
         """Go by other nominal `parameters` from now on, as an operator states them; of the cable, another length."""
@@ -251,13 +235,9 @@ class OrderEnvelope:
         return [*found, self.reason]
 
     def step(self, raw: Measurements, asked: Asked, order: WinchOrder) -> tuple[WinchOrder, list[Alarm]]:
-        """Return the order that leaves in place of `order`, the same one inside the bounds, and what is new.
+        """Return the order that leaves in place of the controller's, and what is new; within bounds it is that `order`.
 
-        Parameters
-        ----------
-        raw : readings of the tick
-        asked : by an operator
-        order : of the controller
+        `raw` : readings of the tick; `asked` : by an operator
         """
         self.read(raw, asked)
         if not self._is_active:

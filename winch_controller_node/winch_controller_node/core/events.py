@@ -181,10 +181,7 @@ class ControllerEvents(OperatorRequests):
     def _separate(self, tick: int, *, is_frozen: bool, is_aside: bool) -> None:
         """Name drive or encoder before a `tick`, once a third sensor shows which.
 
-        Parameters
-        ----------
-        tick : number
-        is_frozen, is_aside : the count stands, or is set aside
+        `is_frozen`, `is_aside` : the count stands, or is set aside
         """
         estimation, reflex = self._estimation, self._encoder
         if not (is_frozen or is_aside):

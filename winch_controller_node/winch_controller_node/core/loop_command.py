@@ -36,22 +36,22 @@ from winch_controller_node.motion.mean_motion import MeanMotion
 GIVING_TIME = 1.0
 """A winch gives way to a tension above the highest one within this time [s], and no quicker than twice its lag."""
 
-LARGEST_UNSEEN, UNSEEN_ERROR = 0.02, 0.5
-"""Largest swing for which compensation corrects a unit that no depth sensor sees [m], and swing of which it corrects
-what is above it: up to there all of it may be error."""
-
 COUNT_MARGIN = 0.2
 """Time that an order may take longer than the nominal delay to the drive's position loop [s]: some ticks."""
 
-MINUTE = 60.0
-"""Time over which speeds and travel are remembered [s]: some waves."""
+EASING = 2.0
+"""Time after a change of what is assumed in which the order makes no larger step [s]."""
 
-MORE, ROOM = 1.2, 0.1
-"""Travel that a fade-out may take: so many times the largest of the last minute, and so much more [m]."""
-
-EASING, QUICKER, MORE_ACCELERATION = 2.0, 1.5, 0.3
-"""Time after a change of what is assumed in which the order makes no larger step [s]: so many times the largest of the
-last minute, and so much more [m/s^2]."""
+CONSTANTS = {
+    "largest_unseen": 0.02,
+    "unseen_error": 0.5,
+    "minute": 60.0,  # some waves
+    "more_travel": 1.2,
+    "more_room": 0.1,
+    "quicker": 1.5,
+    "more_acceleration": 0.3,
+}
+"""Constants of the command: meanings and units are in the core's table, COMMAND_DESIGN."""
 
 WAYS = {
     Mode.COMPENSATING: Way.BY_LAW,
@@ -97,15 +97,9 @@ def commander(
         "inertia": design.cable.a,
         "stiffness": design.cable.stiffness,
         "giving_time": max(GIVING_TIME, 2.0 * (assumed.command_delay + assumed.time_constant)),
-        "largest_unseen": LARGEST_UNSEEN,
-        "unseen_error": UNSEEN_ERROR,
         "stop_step": modes.stop_deceleration * design.tick_period,
         "longest_fade": modes.fade_out_time + SETTLING_LIMIT,
-        "minute": MINUTE,
-        "more_travel": MORE,
-        "more_room": ROOM,
-        "quicker": QUICKER,
-        "more_acceleration": MORE_ACCELERATION,
+        **CONSTANTS,
     }
     if assumed.law == "speed_servo":
         values["fade"] = OutletHold(model, assumed, 0.0).row
@@ -115,56 +109,31 @@ def commander(
 
 
 class TickCommand(NamedTuple):
-    """The command of a tick, in the terms of the model.
+    """The command of a tick, in the terms of the model."""
 
-    Attributes
-    ----------
-    asked : by the law, without the mean payout's share
-    governed : what left in the end, the mean payout's share included
-    standing : command under which the winch would stay where it is
-    """
-
-    asked: LawCommand
-    governed: GovernedCommand
-    standing: float
+    asked: LawCommand  # by the law, without the mean payout's share
+    governed: GovernedCommand  # what left in the end, the mean payout's share included
+    standing: float  # command under which the winch would stay where it is, in its unit
 
 
 class Beside(NamedTuple):
-    """What else the acting half of a tick works on.
+    """What else the acting half of a tick works on."""
 
-    Attributes
-    ----------
-    motion : mean payout
-    envelope : in front of the winch
-    kpi : window of the figures of merit
-    load : alarms of load and winch
-    """
-
-    motion: MeanMotion
-    envelope: OrderEnvelope
-    kpi: KpiWindow
-    load: LoadWatch
+    motion: MeanMotion  # mean payout
+    envelope: OrderEnvelope  # in front of the winch
+    kpi: KpiWindow  # window of the figures of merit
+    load: LoadWatch  # alarms of load and winch
 
 
 class Tick(NamedTuple):
-    """What a tick goes by.
+    """What a tick goes by."""
 
-    Attributes
-    ----------
-    loop : what is known of it
-    decision : what is to be done
-    static_tension : under the hanging unit at rest [N]
-    is_at_limit : a limit of the winch that a sea takes it to acts
-    stated_payout : payout that was read before it is known to be the mean one [m]; NaN: it is known
-    encoder : that counts
-    """
-
-    loop: LoopTick
-    decision: Decision
-    static_tension: float
-    is_at_limit: bool
-    stated_payout: float
-    encoder: EncoderGate
+    loop: LoopTick  # what is known of it
+    decision: Decision  # what is to be done
+    static_tension: float  # under the hanging unit at rest [N]
+    is_at_limit: bool  # a limit of the winch that a sea takes it to acts
+    stated_payout: float  # payout that was read before it is known to be the mean one [m]; NaN: it is known
+    encoder: EncoderGate  # that counts
 
 
 class LoopCommand:

@@ -42,12 +42,6 @@ class ControllerParts:
     seed : taken like every component's; the controller itself draws no random number
 
     Raises DesignError where no controller can be designed from the parameters.
-
-    Attributes
-    ----------
-    envelope : in front of the winch
-    proofs : of raw readings, before the brake opens
-    preview : whether one is used
     """
 
     def __init__(
@@ -66,6 +60,7 @@ class ControllerParts:
         sensed = Sensed(self._estimation.observer.addresses, tick.address, tick.depths_address)
         self._supervisor = Supervisor(design, law, sensed)
         self._winch = WinchWatch(design)
+        # in front of the winch
         self.envelope = OrderEnvelope(parameters, design.cable, tick_period, f"the law {parameters.law}")
         self._load = LoadWatch(
             parameters.alarms,
@@ -81,11 +76,11 @@ class ControllerParts:
         self._beliefs = BeliefsInForce(self._in_force, self._estimation, self._winch)
         self._encoder = EncoderReflex(tick_period)
         self._after_stop = AfterStop(tick_period)
-        self.proofs = Proofs(parameters, design.cable, tick_period)
+        self.proofs = Proofs(parameters, design.cable, tick_period)  # of raw readings, before the brake opens
         self._has_lost_encoder = 0
         self._alarms: list[Alarm] = []
         self._requests: list[str] = []
-        self.preview = PreviewWatch(law.preview, tick_period=tick_period)
+        self.preview = PreviewWatch(law.preview, tick_period=tick_period)  # whether one is used
         self._previews = False
         self._next_tick = 0
 

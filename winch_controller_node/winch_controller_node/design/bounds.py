@@ -84,12 +84,7 @@ def actuator_bound(cable: CableModel, winch: WinchModelParameters, boom_tip_heav
 
 
 def recorded_spectrum(heave: Array, step: float) -> TabulatedSpectrum:
-    """Return the spectrum of a record by Welch's method.
-
-    Parameters
-    ----------
-    heave : of the boom tip about its mean [m], shape (n,)
-    step : from one sample to the next [s]
+    """Return the spectrum of the boom tip's `heave` about its mean [m], sampled each `step` [s], by Welch's method.
 
     Raises DesignError for a record that is too short, or has no motion.
     """

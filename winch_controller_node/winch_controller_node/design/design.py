@@ -52,34 +52,22 @@ LONGEST_DELAY = 5.0
 
 @dataclass(frozen=True, eq=False)
 class ControllerDesign:
-    """Everything a control law needs for one deployed length. All in SI, states by `model.state_names`.
+    """Everything a control law needs for one deployed length. All in SI, states by `model.state_names`."""
 
-    Attributes
-    ----------
-    parameters, tick_period, length : what it was designed for
-    cable : its two-state cable
-    model : sampled augmented model; one input, the command
-    measurements : what the estimator may be given, by name: mru_heave, mru_heave_rate, unit_heave (from depth, positive
-        up, about the expected mean), payout (encoder), unit_velocity, unit_acceleration, tension (about the static one)
-    initial_covariance : of the estimate at the start, shape (n, n)
-    gain : u = -gain x, shape (n,): optimum for all states (thesis 6.3), zero for sensor states
-    cost : of the model's states
-    sigma : stationary standard deviation of each output with the winch locked
-    sea_noise : what the waves contribute to the process noise of a tick, shape (n, n)
-    own_gains : of the law that the parameters name, made beforehand, shape (n,) each; empty: the law makes them itself
-    """
-
-    parameters: WinchControllerParameters
-    tick_period: float
-    length: float
-    cable: CableModel
-    model: LinearModel
+    parameters: WinchControllerParameters  # of the controller
+    tick_period: float  # [s]
+    length: float  # deployed, that it was designed for [m]
+    cable: CableModel  # its two-state cable
+    model: LinearModel  # sampled augmented model; one input, the command
+    # what the estimator may be given, by name: mru_heave, mru_heave_rate, unit_heave (from depth, positive up, about
+    # the expected mean), payout (encoder), unit_velocity, unit_acceleration, tension (about the static one)
     measurements: tuple[MeasurementModel, ...]
-    initial_covariance: Array
-    gain: Array
-    cost: QuadraticCost
-    sigma: dict[str, float]
-    sea_noise: Array
+    initial_covariance: Array  # of the estimate at the start, shape (n, n)
+    gain: Array  # u = -gain x, shape (n,): optimum for all states (thesis 6.3), zero for sensor states
+    cost: QuadraticCost  # of the model's states
+    sigma: dict[str, float]  # stationary standard deviation of each output with the winch locked
+    sea_noise: Array  # what the waves contribute to the process noise of a tick, shape (n, n)
+    # of the law that the parameters name, made beforehand, shape (n,) each; empty: the law makes them itself
     own_gains: Mapping[str, Array] = field(default_factory=dict)
 
     @property
@@ -290,13 +278,7 @@ def carry_by_name(old: ControllerDesign, new: ControllerDesign) -> Array:
 
 
 def check_inputs(parameters: WinchControllerParameters, tick_period: float) -> None:
-    """Refuse what no design serves; raises DesignError.
-
-    Parameters
-    ----------
-    parameters : of the controller
-    tick_period : [s]
-    """
+    """Refuse `parameters` and a `tick_period` [s] that no design serves; raises DesignError."""
     if not tick_period > 0.0:
         raise DesignError(f"tick_period must be above 0; got {tick_period:g} s")
     delay = parameters.winch.command_delay
@@ -331,12 +313,9 @@ def assumed_cable(parameters: WinchControllerParameters, length: float) -> Cable
 
 
 def error_of_two_states(parameters: WinchControllerParameters, length: float) -> float:
-    """Return by how much the motion of the unit, by two fitted states, is off that by the cable's waves, relative.
+    """Return the relative error of the unit's motion by two fitted states against that by the cable's waves.
 
-    Parameters
-    ----------
-    parameters : of plant and sea
-    length : of cable [m]
+    `parameters` : of plant and sea; `length` : of cable [m]
     """
     return fitted_cable(assumed_plant(parameters), parameters.cable_model, length, *_band(parameters)).error
 
@@ -370,12 +349,9 @@ def model_inputs(parameters: WinchControllerParameters, cable: CableModel) -> Mo
 
 
 def slow_states(parameters: WinchControllerParameters, cable: CableModel) -> list[SlowState]:
-    """Return the errors of the sensors in use that the estimator follows, in the units of the model.
+    """Return the errors of the sensors of `parameters` that the estimator follows, in the units of the model.
 
-    Parameters
-    ----------
-    parameters : of the sensors
-    cable : whose static tension is the unit of a load cell
+    `cable` : whose static tension is the unit of a load cell
     """
     return [
         SlowState(state.name, unit * state.drift, unit * state.sigma)
@@ -471,3 +447,54 @@ def _without_payout(model: LinearModel, names: list[str]) -> LinearModel:
         noise_names=tuple(f"noise_{i}" for i in range(len(index))),
         dt=model.dt,
     )
+
+
+FORESEEN = 12.0
+"""Time over which the boom tip shall move as it was predicted [s]: most of a swell's period."""
+
+EVERY = 2
+"""Ticks from one compared moment to the next."""
+
+EXACTNESS, LOOSENING = 1e-3, 2.6
+"""Largest difference of the two at first, over the standard deviation of the boom tip's heave, and the time [s] in
+which it may grow by a factor of e: another sea must predict something else in the end."""
+
+
+def carry_sea(old: ControllerDesign, new: ControllerDesign) -> tuple[Array, Array]:
+    """Return the matrix that takes a state of `old` to one of `new`, and the covariance that this adds.
+
+    Shapes (n_new, n_old) and (n_new, n_new). The states of a shaping filter mean something else in each sea, and so do
+    those of a vessel that is fitted to RAOs. What goes on without a step is the boom tip's motion, now and in the next
+    seconds: all that the command depends on. All other states are carried by name.
+    """
+    waves = [i for i, name in enumerate(new.model.state_names) if name.startswith("wave_")]
+    seen_old, seen_new = _foreseen(old.model), _foreseen(new.model)
+    matrix = carry_by_name(old, new)
+    matrix[waves] = 0.0
+    if new.model.has_state("vessel_heave"):
+        # in metres of a vessel's heave, of which the boom tip takes a share
+        vessel = [new.model.state(name) for name in ("vessel_heave", "vessel_heave_rate")]
+        matrix[vessel] *= (seen_old[0] @ matrix[vessel[0]]) / seen_new[0, vessel[0]]
+    time = EVERY * new.tick_period * np.arange(len(seen_new))
+    sigma = (EXACTNESS * new.sigma["boom_tip_heave"] * np.exp(time / LOOSENING))[:, None]
+    prior = new.initial_covariance[np.ix_(waves, waves)]
+    # scaled: wave states are derivatives of one signal, of very different sizes
+    size = np.sqrt(np.diag(prior))
+    scaled = seen_new[:, waves] * size / sigma
+    covariance = np.linalg.inv(scaled.T @ scaled + np.linalg.inv(prior / np.outer(size, size)))
+    wanted = seen_old - seen_new @ matrix
+    matrix[waves] = size[:, None] * (covariance @ scaled.T @ (wanted / sigma))
+    added = np.zeros((new.model.order, new.model.order))
+    added[np.ix_(waves, waves)] = covariance * np.outer(size, size)
+    return matrix, added
+
+
+def _foreseen(model: LinearModel) -> Array:
+    """Return the rows of the boom tip's heave over the next seconds, shape (moments, n)."""
+    assert model.dt is not None
+    row = model.row("boom_tip_heave")
+    rows, ahead = [], np.linalg.matrix_power(model.A, EVERY)
+    for _ in range(round(FORESEEN / model.dt / EVERY)):
+        rows.append(row)
+        row = row @ ahead
+    return np.array(rows)

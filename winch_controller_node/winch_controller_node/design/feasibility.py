@@ -31,27 +31,17 @@ STORM = 3.0 * 3600.0
 
 @dataclass(frozen=True)
 class WinchDemand:
-    """What full compensation of one sea asks of the winch. Largest: the expected maximum of three hours (Rayleigh).
+    """What full compensation of one sea asks of the winch. Largest: the expected maximum of three hours (Rayleigh)."""
 
-    Attributes
-    ----------
-    significant_wave_height, peak_period : of the sea [m], [s]
-    stroke, speed, acceleration : largest payout either way [m], speed [m/s], acceleration [m/s^2]
-    torque : static tension at the drum radius [N m]; the drum's own inertia comes on top
-    power : static tension times the largest speed [W]
-    mean_hauling_power : static tension times the mean speed while hauling [W]
-    within_limits : the assumed winch can do it
-    """
-
-    significant_wave_height: float
-    peak_period: float
-    stroke: float
-    speed: float
-    acceleration: float
-    torque: float
-    power: float
-    mean_hauling_power: float
-    within_limits: bool
+    significant_wave_height: float  # of the sea [m]
+    peak_period: float  # of the sea [s]
+    stroke: float  # largest payout either way [m]
+    speed: float  # largest payout rate [m/s]
+    acceleration: float  # largest payout acceleration [m/s^2]
+    torque: float  # static tension at the drum radius [N m]; the drum's own inertia comes on top
+    power: float  # static tension times the largest speed [W]
+    mean_hauling_power: float  # static tension times the mean speed while hauling [W]
+    within_limits: bool  # the assumed winch can do it
 
 
 def boom_tip_density(sea: SeaModelParameters, vessel: VesselModelParameters, omega: Array) -> Array:
@@ -66,9 +56,7 @@ def boom_tip_density(sea: SeaModelParameters, vessel: VesselModelParameters, ome
 def boom_tip_moments(sea: SeaModelParameters, vessel: VesselModelParameters) -> tuple[float, float, float]:
     """Return the variances of the boom tip's heave [m^2], rate and acceleration, by quadrature up to 5 rad/s.
 
-    Parameters
-    ----------
-    sea, vessel : assumed
+    `sea` and `vessel` are assumed.
     """
     omega = np.linspace(1e-3, BAND, POINTS)
     density = boom_tip_density(sea, vessel, omega)

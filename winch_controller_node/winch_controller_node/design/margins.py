@@ -18,21 +18,13 @@ FREQUENCIES = 2000
 
 @dataclass(frozen=True)
 class Margins:
-    """Margins of a loop gain L, broken at the command.
+    """Margins of a loop gain L, broken at the command."""
 
-    Attributes
-    ----------
-    gain_up, gain_down : factors by which the loop gain may grow and shrink; inf and 0: without limit
-    phase : smallest phase to instability at abs(L) = 1 [rad]; inf: never 1
-    delay : smallest further delay to instability [s]; inf: none
-    sensitivity_peak : largest abs(1/(1 + L)) [-]
-    """
-
-    gain_up: float
-    gain_down: float
-    phase: float
-    delay: float
-    sensitivity_peak: float
+    gain_up: float  # factor by which the loop gain may grow [-]; inf: without limit
+    gain_down: float  # factor by which the loop gain may shrink [-]; 0: without limit
+    phase: float  # smallest phase to instability at abs(L) = 1 [rad]; inf: never 1
+    delay: float  # smallest further delay to instability [s]; inf: none
+    sensitivity_peak: float  # largest abs(1/(1 + L)) [-]
 
 
 def frequencies(tick_period: float) -> Array:
@@ -45,7 +37,8 @@ def state_feedback_loop(design: ControllerDesign, gain: Array, omegas: Array) ->
 
     G is `gain`, shape (n,); A and B are those of `design`.
     """
-    return _transfer(design.model.A, design.model.B[:, 0], gain, design.tick_period, omegas)
+    loop = control.ss(design.model.A, design.model.B, gain[None], 0.0, design.tick_period)
+    return np.asarray(loop(np.exp(1j * omegas * design.tick_period)))
 
 
 def output_feedback_loop(design: ControllerDesign, gain: Array, omegas: Array) -> ComplexArray:
@@ -55,25 +48,13 @@ def output_feedback_loop(design: ControllerDesign, gain: Array, omegas: Array) -
     second.
     """
     filter_ = equivalent_filter(design)
-    n = len(filter_.A)
-    G = np.zeros(n)
-    G[: design.model.order] = gain
-    B = np.zeros(n)
-    B[: design.model.order] = design.model.B[:, 0]
-    correct = np.eye(n) - filter_.K @ filter_.H
-    controller = correct @ (filter_.A - np.outer(B, G))
-    L = np.empty(len(omegas), dtype=np.complex128)
-    for i, z in enumerate(np.exp(1j * omegas * design.tick_period)):
-        measured = filter_.H @ np.linalg.solve(z * np.eye(n) - filter_.A, B)
-        L[i] = G @ np.linalg.solve(z * np.eye(n) - controller, z * (filter_.K @ measured))
-    return L
-
-
-def _transfer(A: Array, B: Array, C: Array, dt: float, omegas: Array) -> ComplexArray:
+    A, H, K, n, dt = filter_.A, filter_.H, filter_.K, len(filter_.A), design.tick_period
+    G, B = np.zeros((1, n)), np.zeros((n, 1))
+    G[0, : design.model.order], B[: design.model.order] = gain, design.model.B
+    plant = control.ss(A, B, H, 0.0, dt)
+    controller = control.ss((np.eye(n) - K @ H) @ (A - B @ G), K, G, 0.0, dt)
     z = np.exp(1j * omegas * dt)
-    resolvent = z[:, None, None] * np.eye(len(A)) - A
-    solution: ComplexArray = np.linalg.solve(resolvent, np.broadcast_to(B[:, None], (len(z), len(B), 1)))[:, :, 0]
-    return np.asarray(solution @ C)
+    return np.asarray(z * np.einsum("jk,jk->k", controller(z)[0], plant(z)[:, 0]))
 
 
 def margins(omegas: Array, L: ComplexArray) -> Margins:

@@ -37,18 +37,11 @@ ErrorCovariances = list[tuple[Array, Array]]
 
 @dataclass(frozen=True)
 class LoopPrediction:
-    """Stationary behaviour of a loop in its linear regime.
+    """Stationary behaviour of a loop in its linear regime."""
 
-    Attributes
-    ----------
-    sigma : standard deviation of each output of the model
-    command_sigma : of the command
-    estimate_error : standard deviation of the error of each state's estimate, by name
-    """
-
-    sigma: dict[str, float]
-    command_sigma: float
-    estimate_error: dict[str, float]
+    sigma: dict[str, float]  # standard deviation of each output of the model
+    command_sigma: float  # standard deviation of the command, in its unit
+    estimate_error: dict[str, float]  # standard deviation of the error of each state's estimate, by name
 
 
 def predicted_covariance(P: Array, F: Array, Q: Array) -> Array:

@@ -69,58 +69,36 @@ DESIGNED_LAW = "lqg"
 
 @dataclass(frozen=True)
 class TradeOff:
-    """One point of a trade-off curve.
+    """One point of a trade-off curve."""
 
-    Attributes
-    ----------
-    parameter : scale of the command [m/s], or lag of the winch [s]
-    unit_sigma, rate_sigma, acceleration_sigma : predicted [m], [m/s], [m/s^2]
-    command_sigma : of the set-point [m/s], the effort asked of the drive
-    gain_norm : square root of the sum of squared gains, the thesis's index (Eq. 6.18; it mixes units)
-    """
-
-    parameter: float
-    unit_sigma: float
-    rate_sigma: float
-    acceleration_sigma: float
-    command_sigma: float
-    gain_norm: float
+    parameter: float  # scale of the command [m/s], or lag of the winch [s]
+    unit_sigma: float  # predicted motion of the unit, 1 sigma [m]
+    rate_sigma: float  # predicted payout rate, 1 sigma [m/s]
+    acceleration_sigma: float  # predicted payout acceleration, 1 sigma [m/s^2]
+    command_sigma: float  # of the set-point [m/s], the effort asked of the drive
+    gain_norm: float  # square root of the sum of squared gains, the thesis's index (Eq. 6.18) [mixed units]
 
 
 @dataclass(frozen=True, eq=False)
 class DesignReport:
-    """All that `heave design` says.
+    """All that `heave design` says."""
 
-    Attributes
-    ----------
-    design : what it is about
-    prediction : of the LQG loop, and of the delay-augmented LQR with all states known
-    poles : discrete poles of the closed loop
-    margins_state, margins_output : with all states known, and with the Kalman filter
-    omegas, loop : loop gain with the Kalman filter
-    uncompensated_sigma : of the unit with the winch locked, drag linearised at that motion [m]
-    s_est, s_act, kappa : bounds [m] and how far the LQG prediction is from them
-    power_mean, power_significant : mean of abs(T v) and 4 sigma of T v at static tension [W]
-    weight_curve, winch_curve : trade-off against command scale (thesis figs 6.18, 6.19) and winch lag (fig 6.25)
-    feasibility : demand on the winch for seas around the design sea
-    """
-
-    design: ControllerDesign
-    prediction: LoopPrediction
-    poles: ComplexArray
-    margins_state: Margins
-    margins_output: Margins
-    omegas: Array
-    loop: ComplexArray
-    uncompensated_sigma: float
-    s_est: float
-    s_act: float
-    kappa: float
-    power_mean: float
-    power_significant: float
-    weight_curve: tuple[TradeOff, ...]
-    winch_curve: tuple[TradeOff, ...]
-    feasibility: tuple[WinchDemand, ...]
+    design: ControllerDesign  # what it is about
+    prediction: LoopPrediction  # of the LQG loop, and of the delay-augmented LQR with all states known
+    poles: ComplexArray  # discrete poles of the closed loop
+    margins_state: Margins  # with all states known
+    margins_output: Margins  # with the Kalman filter
+    omegas: Array  # frequencies of the loop gain [rad/s]
+    loop: ComplexArray  # loop gain with the Kalman filter
+    uncompensated_sigma: float  # of the unit with the winch locked, drag linearised at that motion [m]
+    s_est: float  # least unit sigma by sensors and delay [m]
+    s_act: float  # least unit sigma by the winch's limits [m]
+    kappa: float  # how far the LQG prediction is from both [-]
+    power_mean: float  # mean of abs(T v) at static tension [W]
+    power_significant: float  # 4 sigma of T v at static tension [W]
+    weight_curve: tuple[TradeOff, ...]  # trade-off against command scale (thesis figs 6.18, 6.19)
+    winch_curve: tuple[TradeOff, ...]  # trade-off against winch lag (thesis fig 6.25)
+    feasibility: tuple[WinchDemand, ...]  # demand on the winch for seas around the design sea
 
     def table(self) -> str:
         """Return the report as text a person can read."""

@@ -37,8 +37,20 @@ PATIENCE = 200.0
 STEP = 0.15
 """The noise is changed when the height has changed by this share since the last time."""
 
-SMALLEST, LARGEST = 0.05, 20.0
-"""Range of the height ratio; beyond it the fault hypothesis is the sensor's, not the sea's."""
+CONSTANTS = {
+    "memory": MEMORY,
+    "group_memory": GROUP_MEMORY,
+    "group_share": GROUP_SHARE,
+    "patience": PATIENCE,
+    "step": STEP,
+    "smallest": 0.05,  # beyond it the fault hypothesis is the sensor's, not the sea's
+    "largest": 20.0,
+    "innovation_memory": 5.0,
+    "largest_nis": 30.0,
+    "least_error": 0.01,  # a perfect instrument sees what no model has
+    "least_heave": 0.03,  # noise has a period as well
+}
+"""Constants of the sea that is seen: meanings and units are in the core's table, SEA_DESIGN."""
 
 FIRST_WAVES, JUDGED_AGAIN = 2.0, 1.3
 """Waves after which the period is judged for the first time, and by what factor more for the next."""
@@ -48,12 +60,6 @@ ASSUMED_WAVES = 2.0
 
 REFUTED_WAVES = 0.3
 """Weight of the assumed period where the assumed sea is refuted, in waves."""
-
-INNOVATION_MEMORY, LARGEST_NIS = 5.0, 30.0
-"""Memory of the normalised innovations [s], and what one counts at most."""
-
-LEAST_ERROR = 0.01
-"""Error of the predicted heave rate that is small in any sea [m/s]: a perfect instrument sees what no model has."""
 
 REFUTED = 3.0
 """Mean of the normalised innovations squared of the heave rate from which on the sea is refuted; it is 1 in its own."""
@@ -73,9 +79,6 @@ SCATTER = 0.9
 LIKELY = SCATTER / 3.0
 """One standard deviation of the logarithm of the period as estimated from one wave."""
 
-LEAST_HEAVE = 0.03
-"""Standard deviation of the boom tip's heave below which its period is not judged [m]: noise has one as well."""
-
 PERIODS = (2.0, 30.0)
 """Peak periods that a sea may have [s]."""
 
@@ -89,40 +92,25 @@ waves break."""
 
 @dataclass(frozen=True)
 class SeaSeen:
-    """A sea as it was seen.
+    """A sea as it was seen."""
 
-    Attributes
-    ----------
-    waves : that were seen
-    heave, frequency : standard deviation [m] and mean frequency [rad/s] of the boom tip
-    is_settled : it was seen for so long that it does not grow any more
-    is_refuted : the sea of the design cannot be the one that is there
-    """
-
-    waves: float
-    heave: float
-    frequency: float
-    is_settled: bool = True
-    is_refuted: bool = False
+    waves: float  # number of waves that were seen [-]
+    heave: float  # standard deviation of the boom tip's heave [m]
+    frequency: float  # mean frequency of the boom tip [rad/s]
+    is_settled: bool = True  # it was seen for so long that it does not grow any more
+    is_refuted: bool = False  # the sea of the design cannot be the one that is there
 
 
 @dataclass(frozen=True)
 class PossibleSeas:
-    """Seas that may be there.
+    """Seas that may be there."""
 
-    Attributes
-    ----------
-    seen : what all of them must explain
-    assumed : the sea assumed at first
-    in_force : that of the design, as high as was seen
-    stretched : that assumed at first, as long and as high as was seen; None: the active one is as good
-    parts : of which one part, swell or wind sea, is as assumed, and that move the boom tip as was seen
-    """
-
-    seen: SeaSeen
-    assumed: SeaModelParameters
-    in_force: SeaModelParameters
+    seen: SeaSeen  # what all of them must explain
+    assumed: SeaModelParameters  # the sea assumed at first
+    in_force: SeaModelParameters  # that of the design, as high as was seen
+    # that assumed at first, as long and as high as was seen; None: the active one is as good
     stretched: SeaModelParameters | None
+    # of which one part, swell or wind sea, is as assumed, and that move the boom tip as was seen
     parts: list[SeaModelParameters]
 
     @property
@@ -133,20 +121,7 @@ class PossibleSeas:
 
 def sea_design(design: ControllerDesign) -> dict[str, float]:
     """Return the values of the core's SeaDesign, of a `design`."""
-    return {
-        "variance": design.sigma["boom_tip_heave"] ** 2,
-        "memory": MEMORY,
-        "group_memory": GROUP_MEMORY,
-        "group_share": GROUP_SHARE,
-        "patience": PATIENCE,
-        "step": STEP,
-        "smallest": SMALLEST,
-        "largest": LARGEST,
-        "innovation_memory": INNOVATION_MEMORY,
-        "largest_nis": LARGEST_NIS,
-        "least_error": LEAST_ERROR,
-        "least_heave": LEAST_HEAVE,
-    }
+    return {"variance": design.sigma["boom_tip_heave"] ** 2, **CONSTANTS}
 
 
 class SeaTracker:
@@ -173,11 +148,6 @@ class SeaTracker:
         self._quiet = design.model.noise_covariance - design.sea_noise
         self._sea_noise = design.sea_noise
         self._record["applied"] = 1.0
-
-    @property
-    def height_ratio(self) -> float:
-        """Height of the boom-tip motion over that of the design; 1 until enough has been seen."""
-        return float(self._core.heave_core_sea_height(self._at[0], self._at[2]))
 
     def update(self, heave: float, rate: float = 0.0) -> Array | None:
         """Take in the estimated heave [m] and heave rate [m/s] of the boom tip at a tick.
@@ -209,13 +179,7 @@ class SeaTracker:
         return SeaSeen(waves, heave, frequency, is_settled, self.is_refuted)
 
     def note_innovation(self, nis: float, sigma: float) -> None:
-        """Take in what a heave rate of the motion reference unit said against the prediction.
-
-        Parameters
-        ----------
-        nis : normalised innovation squared
-        sigma : standard deviation by which it was normalised [m/s]
-        """
+        """Take in a heave rate of the MRU: the normalised square of its innovation, `nis`, and its `sigma` [m/s]."""
         self._note(*self._at, nis, sigma)
 
     @property
@@ -230,11 +194,9 @@ class SeaTracker:
 
 
 def sigma_and_frequency(sea: SeaModelParameters, vessel: VesselModelParameters) -> tuple[float, float]:
-    """Return standard deviation [m] and mean frequency [rad/s] of the boom tip in a sea: of its spectrum, not a filter.
+    """Return standard deviation [m] and mean frequency [rad/s] of the boom tip of a `vessel` in a `sea`.
 
-    Parameters
-    ----------
-    sea, vessel : assumed
+    They are those of its spectrum, not of a filter.
     """
     heave, rate, _ = boom_tip_moments(sea, vessel)
     return math.sqrt(heave), math.sqrt(rate / heave)
@@ -268,12 +230,7 @@ def sea_that_was_seen(
 def possible_seas(
     seen: SeaSeen, assumed: SeaModelParameters, in_force: SeaModelParameters, vessel: VesselModelParameters
 ) -> PossibleSeas:
-    """Return the seas that may be there.
-
-    Parameters
-    ----------
-    seen, assumed, in_force, vessel : see `sea_that_was_seen`
-    """
+    """Return the seas that may be there; `seen`, `assumed`, `in_force`, `vessel` : see `sea_that_was_seen`."""
     stretched = sea_that_was_seen(seen, assumed, in_force, vessel)
     parts = _of_two_parts(seen, assumed, vessel)
     return PossibleSeas(seen, assumed, as_high_as_seen(in_force, seen, vessel), stretched, parts)

@@ -48,16 +48,10 @@ class WireError(ValueError):
 
 @dataclass(frozen=True, eq=False)
 class DesignParts:
-    """A design in parts.
+    """A design in parts."""
 
-    Attributes
-    ----------
-    arrays : float64, by name; SI units, heave positive up, payout positive lowers the unit
-    texts : by name; `parameters` is one JSON object by dotted name
-    """
-
-    arrays: Mapping[str, Array]
-    texts: Mapping[str, Sequence[str]]
+    arrays: Mapping[str, Array]  # float64, by name; SI units, heave positive up, payout positive lowers the unit
+    texts: Mapping[str, Sequence[str]]  # by name; `parameters` is one JSON object by dotted name
 
 
 def parts_of(design: ControllerDesign) -> DesignParts:

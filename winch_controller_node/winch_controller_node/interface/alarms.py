@@ -8,8 +8,3 @@ from heave_node.interface.alarm import AlarmTable, read_alarms
 
 ALARMS: AlarmTable = read_alarms(Path(__file__).with_name("alarms.yaml"))
 """All of them, by name."""
-
-HARMFUL = frozenset(
-    ("WORSE_THAN_OFF: depth", "WORSE_THAN_OFF: swing", "WORSE_THAN_OFF: estimate", "DRUM_SPEED_OFF", "LITTLE_GAIN")
-)
-"""Names of the alarms by which the guard ends compensation that does harm."""

@@ -44,29 +44,17 @@ READING_COLUMNS = (
 
 @dataclass(frozen=True, eq=False)
 class Observations:
-    """A batch of ticks.
+    """A batch of ticks."""
 
-    Attributes
-    ----------
-    first : number of its first tick
-    ticks : table, a row a tick, shape (t, len(TICK_COLUMNS))
-    rows : names of the measurements that readings refer to
-    readings : table, in the order of delivery, shape (m, len(READING_COLUMNS))
-    epoch : tick with which the record begins: the state jumped there, or the mean, or the controller was started
-    beliefs : number of the active beliefs at the end of the batch
-    excluded : sensor that a reflex of the core has set aside; empty: none
-    is_trusted : depth sensor and estimate agree, as the guard sees it
-    restated : parameters that an operator's redesigns have restated since the start, by path
-    """
-
-    first: int
-    ticks: Array
-    rows: tuple[str, ...]
-    readings: Array
-    epoch: int
-    beliefs: int
-    excluded: str = ""
-    is_trusted: bool = True
+    first: int  # number of its first tick
+    ticks: Array  # table, a row a tick, shape (t, len(TICK_COLUMNS))
+    rows: tuple[str, ...]  # names of the measurements that readings refer to
+    readings: Array  # table, in the order of delivery, shape (m, len(READING_COLUMNS))
+    epoch: int  # tick with which the record begins: the state jumped there, or the mean, or the controller was started
+    beliefs: int  # number of the active beliefs at the end of the batch
+    excluded: str = ""  # sensor that a reflex of the core has set aside; empty: none
+    is_trusted: bool = True  # depth sensor and estimate agree, as the guard sees it
+    # parameters that an operator's redesigns have restated since the start, by path
     restated: tuple[tuple[str, float], ...] = ()
 
     @property

@@ -23,39 +23,23 @@ class ScalarReading(NamedTuple):
 
 
 class WinchReading(NamedTuple):
-    """The winch's own report, as in heave_msgs/WinchState.
+    """The winch's own report, as in heave_msgs/WinchState."""
 
-    Attributes
-    ----------
-    time : of the state [s]
-    encoder_payout, encoder_payout_rate : [m], [m/s]
-    brake : it is on
-    fault : number of heave_node.interface.codes.WinchFault; hardware may have others
-    command_sequence : of the newest command taken
-    limits_hit : heave_node.interface.codes.WinchLimit that acted in the last interval
-    """
-
-    time: float
-    encoder_payout: float
-    encoder_payout_rate: float
-    brake: bool
-    fault: int = 0
-    command_sequence: int = 0
-    limits_hit: int = 0
+    time: float  # of the state [s]
+    encoder_payout: float  # as the encoder reads it [m]
+    encoder_payout_rate: float  # as the encoder reads it [m/s]
+    brake: bool  # it is on
+    fault: int = 0  # number of heave_node.interface.codes.WinchFault; hardware may have others
+    command_sequence: int = 0  # of the newest command taken
+    limits_hit: int = 0  # heave_node.interface.codes.WinchLimit that acted in the last interval
 
 
 @dataclass(frozen=True, slots=True)
 class Lateness:
-    """What held the ticks of the last seconds up, in wall time; nothing in lockstep.
+    """What held the ticks of the last seconds up, in wall time; nothing in lockstep."""
 
-    Attributes
-    ----------
-    of_clock : ticks began so much late: the whole machine stalled, or the clock master [s]
-    of_controller : the controller entered them so much later than they began [s]
-    """
-
-    of_clock: float = 0.0
-    of_controller: float = 0.0
+    of_clock: float = 0.0  # ticks began so much late: the whole machine stalled, or the clock master [s]
+    of_controller: float = 0.0  # the controller entered them so much later than they began [s]
 
 
 ON_TIME = Lateness()
@@ -64,23 +48,15 @@ ON_TIME = Lateness()
 
 @dataclass(frozen=True)
 class Measurements:
-    """All that was delivered at a tick.
+    """All that was delivered at a tick."""
 
-    Attributes
-    ----------
-    mru : readings of the motion reference unit
-    scalar : of the other sensors, by name: `depth` of the unit, positive down [m]; `velocity`, vertical, positive up
-        [m/s]; `imu`, its vertical acceleration without gravity [m/s^2]; `load_cell`, the top tension [N]
-    winch : newest state of the winch; None: none came
-    preview : newest one of the boom tip; None: none came
-    lateness : of the ticks, so that a command timeout is reported with its cause
-    """
-
-    mru: tuple[MruReading, ...] = ()
+    mru: tuple[MruReading, ...] = ()  # readings of the motion reference unit
+    # of the other sensors, by name: `depth` of the unit, positive down [m]; `velocity`, vertical, positive up [m/s];
+    # `imu`, its vertical acceleration without gravity [m/s^2]; `load_cell`, the top tension [N]
     scalar: Mapping[str, tuple[ScalarReading, ...]] = field(default_factory=dict)
-    winch: WinchReading | None = None
-    preview: HeavePreview | None = None
-    lateness: Lateness = ON_TIME
+    winch: WinchReading | None = None  # newest state of the winch; None: none came
+    preview: HeavePreview | None = None  # newest one of the boom tip; None: none came
+    lateness: Lateness = ON_TIME  # of the ticks, so that a command timeout is reported with its cause
 
     def of(self, sensor: str) -> tuple[ScalarReading, ...]:
         """Return the readings of a sensor; none where none came."""
@@ -88,43 +64,25 @@ class Measurements:
 
 
 class WinchOrder(NamedTuple):
-    """The command of a tick.
+    """The command of a tick."""
 
-    Attributes
-    ----------
-    sequence : number of the command
-    payout, payout_rate : set-points [m], [m/s]
-    brake : True: on
-    mean_payout : that the winch works about [m]; NaN: none stated
-    """
-
-    sequence: int
-    payout: float
-    payout_rate: float
-    brake: bool
-    mean_payout: float = math.nan
+    sequence: int  # number of the command
+    payout: float  # set-point [m]
+    payout_rate: float  # set-point [m/s]
+    brake: bool  # True: on
+    mean_payout: float = math.nan  # that the winch works about [m]; NaN: none stated
 
 
 class SensorState(NamedTuple):
-    """How one sensor is seen.
+    """How one sensor is seen."""
 
-    Attributes
-    ----------
-    sensor : name
-    level : how it is seen
-    reason : why, empty when OK
-    age : of the newest accepted reading [s], infinite before the first
-    accepted, refused : readings so far
-    alarm : its fault, where its level is `suspect` or `lost`
-    """
-
-    sensor: str
-    level: SensorLevel
-    reason: str
-    age: float
-    accepted: int
-    refused: int
-    alarm: Alarm | None = None
+    sensor: str  # name
+    level: SensorLevel  # how it is seen
+    reason: str  # why, empty when OK
+    age: float  # of the newest accepted reading [s], infinite before the first
+    accepted: int  # readings so far
+    refused: int  # readings so far
+    alarm: Alarm | None = None  # its fault, where its level is `suspect` or `lost`
 
     def reported(self, loop: str) -> SensorState:
         """Return it with what the `loop` does in its alarm."""
@@ -184,28 +142,18 @@ class RollingKpi:
 
 
 class Outputs(NamedTuple):
-    """What a tick gives.
+    """What a tick gives."""
 
-    Attributes
-    ----------
-    order : to the winch
-    mode, authority, depth_set_point : see `Report`
-    make_report : returns the report of the tick; it is to be asked before the next one
-    kpi : once a second; None else
-    alarms : raised in this tick
-    requests : what an operator has asked for since the last tick, one line each; mode changes are reported apart
-    observations : for the adviser, once a second; None else
-    """
-
-    order: WinchOrder
-    mode: str
-    authority: float
-    depth_set_point: float
-    make_report: Callable[[], Report]
-    kpi: RollingKpi | None = None
-    alarms: tuple[Alarm, ...] = ()
+    order: WinchOrder  # to the winch
+    mode: str  # see `Report`
+    authority: float  # see `Report`
+    depth_set_point: float  # see `Report`
+    make_report: Callable[[], Report]  # returns the report of the tick; it is to be asked before the next one
+    kpi: RollingKpi | None = None  # once a second; None else
+    alarms: tuple[Alarm, ...] = ()  # raised in this tick
+    # what an operator has asked for since the last tick, one line each; mode changes are reported apart
     requests: tuple[str, ...] = ()
-    observations: Observations | None = None
+    observations: Observations | None = None  # for the adviser, once a second; None else
 
     @property
     def report(self) -> Report:

@@ -26,16 +26,11 @@ def stated(value: float) -> float:
 
 
 class Request(NamedTuple):
-    """A request.
+    """A request."""
 
-    Attributes
-    ----------
-    kind : one of FORMS
-    values : mode and tension to hold [N]; depth [m] and speed [m/s]; speed, positive lowers [m/s]; factor [-];
-        significant wave height [m], peak period [s] and cable length [m] of a design
-    """
-
-    kind: str
+    kind: str  # one of FORMS
+    # mode and tension to hold [N]; depth [m] and speed [m/s]; speed, positive lowers [m/s]; factor [-]; significant
+    # wave height [m], peak period [s] and cable length [m] of a design
     values: tuple[str | float, ...] = ()
 
     @property

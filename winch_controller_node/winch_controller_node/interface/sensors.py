@@ -44,44 +44,25 @@ MEASURED_WORDS = {
 
 
 class MeasurementRow(NamedTuple):
-    """A scalar that the estimator takes: (1 + scale_state) (output + state), with white noise.
+    """A scalar that the estimator takes: (1 + scale_state) (output + state), with white noise."""
 
-    Attributes
-    ----------
-    name : of the measurement
-    output : of the augmented model
-    sigma : standard deviation of the noise, in the sensor's unit
-    unit : that unit, in words; empty where it is the static tension
-    state : slow state of the sensor that adds to the output, where the model has it; empty: none
-    scale_state : slow state that is its relative error of scale, where the model has it; empty: none
-    is_gated : False: never refused for being far off its prediction
-    largest_stated : largest standard deviation that the sensor may state, in its unit
-    """
-
-    name: str
-    output: str
-    sigma: float
-    unit: str
-    state: str = ""
-    scale_state: str = ""
-    is_gated: bool = True
-    largest_stated: float = LARGEST_NOISE
+    name: str  # of the measurement
+    output: str  # of the augmented model
+    sigma: float  # standard deviation of the noise [unit of the sensor]
+    unit: str  # that unit, in words; empty where it is the static tension
+    state: str = ""  # slow state of the sensor that adds to the output, where the model has it; empty: none
+    scale_state: str = ""  # slow state that is its relative error of scale, where the model has it; empty: none
+    is_gated: bool = True  # False: never refused for being far off its prediction
+    largest_stated: float = LARGEST_NOISE  # largest standard deviation that the sensor may state, in its unit
 
 
 @dataclass(frozen=True)
 class SlowState:
-    """An error of a sensor that the estimator follows.
+    """An error of a sensor that the estimator follows."""
 
-    Attributes
-    ----------
-    name : of the state
-    drift : its random walk, in the sensor's unit over sqrt(s)
-    sigma : standard deviation at the start, in the sensor's unit
-    """
-
-    name: str
-    drift: float
-    sigma: float
+    name: str  # of the state
+    drift: float  # its random walk [unit of the sensor over sqrt(s)]
+    sigma: float  # standard deviation at the start [unit of the sensor]
 
 
 class Zero(Enum):
@@ -97,24 +78,14 @@ class Zero(Enum):
 
 @dataclass(frozen=True)
 class SensorModelParameters(abc.ABC):
-    """Assumed properties of a sensor: a class of its own for each.
+    """Assumed properties of a sensor: a class of its own for each."""
 
-    Class attributes
-    ----------------
-    sees : what it measures: boom_tip, unit, cable or drum
-    component : which value of a reading counts
-    includes_gravity : at rest that value is the acceleration of gravity
-    zero : what it counts from
-    sign : of the value in the model over that of the reading
-    is_always_watched : it has a gate also where the estimator does not take it
-    """
-
-    sees: ClassVar[str]
-    component: ClassVar[int] = 0
-    includes_gravity: ClassVar[bool] = False
-    zero: ClassVar[Zero] = Zero.OWN
-    sign: ClassVar[float] = 1.0
-    is_always_watched: ClassVar[bool] = False
+    sees: ClassVar[str]  # what it measures: boom_tip, unit, cable or drum
+    component: ClassVar[int] = 0  # which value of a reading counts
+    includes_gravity: ClassVar[bool] = False  # at rest that value is the acceleration of gravity
+    zero: ClassVar[Zero] = Zero.OWN  # what it counts from
+    sign: ClassVar[float] = 1.0  # of the value in the model over that of the reading
+    is_always_watched: ClassVar[bool] = False  # it has a gate also where the estimator does not take it
 
     def period(self, tick_period: float) -> float:
         """Return the time between readings [s]: one comes in each tick of `tick_period` [s]."""
@@ -142,9 +113,7 @@ class SampledSensorParameters(SensorModelParameters):
     """A sensor with samples and a latency of its own."""
 
     rate: float = parameter(20.0, unit="Hz", minimum=0.01, maximum=1000.0, description="Readings per second.")
-    latency: float = parameter(
-        0.0, unit="s", minimum=0.0, maximum=5.0, description="Typical age of a reading when it arrives."
-    )
+    latency: float = parameter(0.0, "s", 0.0, 5.0, "Typical age of a reading when it arrives.")
 
     def period(self, tick_period: float) -> float:
         """Return the time between readings [s], whatever the `tick_period`."""
@@ -161,46 +130,18 @@ class MruModelParameters(SampledSensorParameters):
 
     sees: ClassVar[str] = "boom_tip"
 
-    noise: float = parameter(
-        0.01, unit="m", minimum=1e-5, maximum=LARGEST_NOISE, description="White noise of heave, 1 sigma."
-    )
-    rate_noise: float = parameter(
-        0.01, unit="m/s", minimum=1e-5, maximum=LARGEST_NOISE, description="White noise of heave rate, 1 sigma."
-    )
-    high_pass_period: float = parameter(
-        0.0,
-        unit="s",
-        minimum=0.0,
-        maximum=300.0,
-        description="Cut-off period of its high-pass filter; 0 means no filter.",
-    )
-    high_pass_damping: float = parameter(
-        0.7071, unit="", minimum=0.2, maximum=2.0, description="Damping ratio of its high-pass filter."
-    )
-    scale_sigma: float = parameter(
-        0.0, unit="", minimum=0.0, maximum=0.5, description="Possible scale error, 1 sigma; 0 does not estimate it."
-    )
-    bias_sigma: float = parameter(
-        0.0,
-        unit="m",
-        minimum=0.0,
-        maximum=100.0,
-        description="Possible mean of its heave, as by trim or another reference, 1 sigma; 0 does not estimate it.",
-    )
-    bias_drift: float = parameter(
-        1e-4,
-        unit="m/sqrt(s)",
-        minimum=0.0,
-        maximum=1.0,
-        description="Random walk of that mean: 1 cm in three hours; 0.005 for one that wanders in turns.",
-    )
-    lever_arm_sigma: float = parameter(
-        0.0,
-        unit="m",
-        minimum=0.0,
-        maximum=10.0,
-        description="Possible lever-arm error, 1 sigma along x and y; 0 does not estimate it.",
-    )
+    noise: float = parameter(0.01, "m", 1e-5, LARGEST_NOISE, "White noise of heave, 1 sigma.")
+    rate_noise: float = parameter(0.01, "m/s", 1e-5, LARGEST_NOISE, "White noise of heave rate, 1 sigma.")
+    high_pass_period: float = parameter(0.0, "s", 0.0, 300.0,
+        "Cut-off period of its high-pass filter; 0 means no filter.")  # fmt: skip
+    high_pass_damping: float = parameter(0.7071, "", 0.2, 2.0, "Damping ratio of its high-pass filter.")
+    scale_sigma: float = parameter(0.0, "", 0.0, 0.5, "Possible scale error, 1 sigma; 0 does not estimate it.")
+    bias_sigma: float = parameter(0.0, "m", 0.0, 100.0,
+        "Possible mean of its heave, as by trim or another reference, 1 sigma; 0 does not estimate it.")  # fmt: skip
+    bias_drift: float = parameter(1e-4, "m/sqrt(s)", 0.0, 1.0,
+        "Random walk of that mean: 1 cm in three hours; 0.005 for one that wanders in turns.")  # fmt: skip
+    lever_arm_sigma: float = parameter(0.0, "m", 0.0, 10.0,
+        "Possible lever-arm error, 1 sigma along x and y; 0 does not estimate it.")  # fmt: skip
 
     def rows(self) -> tuple[MeasurementRow, ...]:
         """Tell heave and heave rate; the high-pass is in the model."""
@@ -231,19 +172,10 @@ class DepthModelParameters(SampledSensorParameters):
 
     noise: float = parameter(0.02, unit="m", minimum=1e-5, maximum=100.0, description="White noise, 1 sigma.")
     rate: float = parameter(10.0, unit="Hz", minimum=0.01, maximum=1000.0, description="Readings per second.")
-    latency: float = parameter(
-        0.1, unit="s", minimum=0.0, maximum=5.0, description="Typical age of a reading when it arrives."
-    )
-    bias_sigma: float = parameter(
-        1.0, unit="m", minimum=0.0, maximum=100.0, description="Uncertainty of the mean depth at the start, 1 sigma."
-    )
-    bias_drift: float = parameter(
-        2e-4,
-        unit="m/sqrt(s)",
-        minimum=0.0,
-        maximum=1.0,
-        description="Random walk of the mean depth: tide, sensor drift, stretch.",
-    )
+    latency: float = parameter(0.1, "s", 0.0, 5.0, "Typical age of a reading when it arrives.")
+    bias_sigma: float = parameter(1.0, "m", 0.0, 100.0, "Uncertainty of the mean depth at the start, 1 sigma.")
+    bias_drift: float = parameter(2e-4, "m/sqrt(s)", 0.0, 1.0,
+        "Random walk of the mean depth: tide, sensor drift, stretch.")  # fmt: skip
 
     def rows(self) -> tuple[MeasurementRow, ...]:
         """Tell the heave of the unit, with an unknown mean."""
@@ -260,13 +192,7 @@ class EncoderModelParameters(SensorModelParameters):
 
     sees: ClassVar[str] = "drum"
 
-    noise: float = parameter(
-        3e-4,
-        unit="m",
-        minimum=1e-6,
-        maximum=1.0,
-        description="Noise of the encoder, 1 sigma; steps of 1 mm give 0.29 mm.",
-    )
+    noise: float = parameter(3e-4, "m", 1e-6, 1.0, "Noise of the encoder, 1 sigma; steps of 1 mm give 0.29 mm.")
 
     def rows(self) -> tuple[MeasurementRow, ...]:
         """Tell the payout.
@@ -300,9 +226,7 @@ class ImuModelParameters(SampledSensorParameters):
     component: ClassVar[int] = 2
     includes_gravity: ClassVar[bool] = True
 
-    noise: float = parameter(
-        0.02, unit="m/s^2", minimum=1e-5, maximum=LARGEST_NOISE, description="White noise, 1 sigma."
-    )
+    noise: float = parameter(0.02, "m/s^2", 1e-5, LARGEST_NOISE, "White noise, 1 sigma.")
 
     def rows(self) -> tuple[MeasurementRow, ...]:
         """Tell the unit's acceleration."""
@@ -317,30 +241,12 @@ class LoadCellModelParameters(SampledSensorParameters):
     zero: ClassVar[Zero] = Zero.STATIC_TENSION
     is_always_watched: ClassVar[bool] = True
 
-    noise: float = parameter(
-        0.005,
-        unit="",
-        minimum=1e-6,
-        maximum=1.0,
-        description="White noise, as a fraction of the static tension, 1 sigma.",
-    )
-    model_error: float = parameter(
-        0.01,
-        unit="",
-        minimum=0.0,
-        maximum=1.0,
-        description="Error of the tension from the two-state cable, as a fraction of the static tension, 1 sigma.",
-    )
-    bias_sigma: float = parameter(
-        0.05, unit="", minimum=0.0, maximum=1.0, description="Uncertainty of the static tension at the start, 1 sigma."
-    )
-    bias_drift: float = parameter(
-        2e-4,
-        unit="1/sqrt(s)",
-        minimum=0.0,
-        maximum=1.0,
-        description="Random walk of the static tension: cable paid out, drift of the load cell.",
-    )
+    noise: float = parameter(0.005, "", 1e-6, 1.0, "White noise, as a fraction of the static tension, 1 sigma.")
+    model_error: float = parameter(0.01, "", 0.0, 1.0,
+        "Error of the tension from the two-state cable, as a fraction of the static tension, 1 sigma.")  # fmt: skip
+    bias_sigma: float = parameter(0.05, "", 0.0, 1.0, "Uncertainty of the static tension at the start, 1 sigma.")
+    bias_drift: float = parameter(2e-4, "1/sqrt(s)", 0.0, 1.0,
+        "Random walk of the static tension: cable paid out, drift of the load cell.")  # fmt: skip
 
     def rows(self) -> tuple[MeasurementRow, ...]:
         """Tell the tension less the static one."""
@@ -387,9 +293,8 @@ def sensors_that_see(*seen: str) -> list[str]:
 class SensorsModelParameters(KnownSensors):
     """Which sensors the estimator uses, and their assumed properties."""
 
-    use: tuple[str, ...] = parameter(
-        ("mru", "depth", "encoder"), unit="", choices=KNOWN_SENSORS, description="Sensors that the estimator uses."
-    )
+    use: tuple[str, ...] = parameter(("mru", "depth", "encoder"),
+        description="Sensors that the estimator uses.", choices=KNOWN_SENSORS)  # fmt: skip
 
     def in_use(self) -> dict[str, SensorModelParameters]:
         """Return the assumed properties of the sensors that the estimator takes."""

@@ -32,9 +32,7 @@ class ConstantTension:
     Without the motion reference unit the tension leads alone, see `TensionAlone`, up to the winch's own speed. The
     tension that is held is on its way to the one asked for; how far the winch has paid out or taken in is bounded.
 
-    Parameters
-    ----------
-    memory : array of one `TensionState` of the core; it outlives a design
+    `memory` : array of one `TensionState` of the core; it outlives a design
     """
 
     def __init__(self, memory: Any) -> None:

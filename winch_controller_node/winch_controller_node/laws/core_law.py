@@ -20,14 +20,9 @@ FREE = "free"
 
 
 class PlanMaker(Protocol):
-    """Makes plans at the limits of the winch: see `laws.mpc.Planner`.
+    """Makes plans at the limits of the winch: see `laws.mpc.Planner`."""
 
-    Attributes
-    ----------
-    last : command of the last plan, but for its value
-    """
-
-    last: LawCommand
+    last: LawCommand  # command of the last plan, but for its value
 
     def restart(self) -> None:
         """Discard the plan."""
@@ -99,13 +94,9 @@ class CoreLaw(ControlLaw):
         return found._replace(value=float(self.core.state["command"][0]))
 
     def commanded(self, value: float, *, by_plan: float, has_plan: float) -> LawCommand:
-        """Return a command of which no plan was needed in this tick.
+        """Return a command of which no plan was needed in this tick: a `value` that the core has made.
 
-        Parameters
-        ----------
-        value : that the core has made
-        by_plan : not 0: the constrained law has
-        has_plan : not 0: it follows a plan of a tick before
+        `by_plan` : not 0: the constrained law has; `has_plan` : not 0: it follows a plan of a tick before
         """
         if not by_plan:
             return LawCommand(value)
@@ -138,11 +129,6 @@ class StateFeedback(CoreLaw):
     def __init__(self, design: LawDesign, gain: Array, unit_share: float) -> None:
         super().__init__(design, LawKind.FEEDBACK_LAW, gain=gain, unit_share=unit_share)
         self.gain = gain
-
-    @property
-    def largest_share(self) -> float:
-        """Largest share of the command that the unit's error may ask for [m/s] ([m], first-order winch)."""
-        return float(self.core.law["unit_share"][0] * self.winch.record["speed"][0])
 
     def stay_linear(self) -> None:
         """Leave out what takes over near the limits of the winch."""

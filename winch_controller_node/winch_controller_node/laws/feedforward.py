@@ -23,12 +23,9 @@ from winch_controller_node.model.lqr import DesignError
 class FeedforwardParameters:
     """The speed feed-forward of the MRU."""
 
-    prediction: bool = parameter(
-        True, unit="", description="Predict the boom tip over the winch's delay and lag; false: command the MRU's rate."
-    )
-    centring_time: float = parameter(
-        60.0, unit="s", minimum=1.0, maximum=3600.0, description="Time constant with which the mean payout is restored."
-    )
+    prediction: bool = parameter(True,
+        description="Predict the boom tip over the winch's delay and lag; false: command the MRU's rate.")  # fmt: skip
+    centring_time: float = parameter(60.0, "s", 1.0, 3600.0, "Time constant with which the mean payout is restored.")
 
 
 class SpeedFeedforward(CoreLaw):

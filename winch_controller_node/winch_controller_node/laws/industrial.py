@@ -49,13 +49,8 @@ def rule_gain(delay: float, lag: float) -> float:
 class IndustrialParameters:
     """The industrial baseline."""
 
-    position_gain: float = parameter(
-        0.0,
-        unit="1/s",
-        minimum=0.0,
-        maximum=20.0,
-        description="Gain of the outlet position loop; 0: set by rule from the delay and lag of the winch.",
-    )
+    position_gain: float = parameter(0.0, "1/s", 0.0, 20.0,
+        "Gain of the outlet position loop; 0: set by rule from the delay and lag of the winch.")  # fmt: skip
 
 
 class IndustrialBaseline(CoreLaw):

@@ -24,42 +24,26 @@ from winch_controller_node.parameters.model import WeightParameters, WinchModelP
 
 @dataclass(frozen=True, eq=False)
 class LawDesign:
-    """What a law is made for.
+    """What a law is made for."""
 
-    Attributes
-    ----------
-    model : augmented model, sampled at the ticks; one input, the command
-    winch : the winch that it describes
-    limits : of that winch, to be kept
-    weights : of the quadratic cost
-    gain : optimal gain of all states under these weights, u = -gain x, shape (n,); scheduled over length where there
-        is a schedule
-    own_gains : as `ControlLaw.own_gains` gives them, made beforehand; empty: the law makes them itself
-    """
-
-    model: LinearModel
-    winch: WinchModelParameters
-    limits: WinchLimits
-    weights: WeightParameters
+    model: LinearModel  # augmented model, sampled at the ticks; one input, the command
+    winch: WinchModelParameters  # the winch that it describes
+    limits: WinchLimits  # of that winch, to be kept
+    weights: WeightParameters  # of the quadratic cost
+    # optimal gain of all states under these weights, u = -gain x, shape (n,); scheduled over length where there is a
+    # schedule
     gain: Array
+    # as `ControlLaw.own_gains` gives them, made beforehand; empty: the law makes them itself
     own_gains: Mapping[str, Array] = field(default_factory=dict)
 
 
 class LawCommand(NamedTuple):
-    """What a law asks for.
+    """What a law asks for."""
 
-    Attributes
-    ----------
-    value : share of the command that compensates [m/s] (or [m], first-order winch)
-    status : of the solver, empty for laws without one
-    iterations : of the solver
-    active : limits that shape the plan
-    """
-
-    value: float
-    status: str = ""
-    iterations: int = 0
-    active: tuple[str, ...] = ()
+    value: float  # share of the command that compensates [m/s] (or [m], first-order winch)
+    status: str = ""  # of the solver, empty for laws without one
+    iterations: int = 0  # of the solver
+    active: tuple[str, ...] = ()  # limits that shape the plan
 
 
 class ControlLaw(ABC):
@@ -71,37 +55,26 @@ class ControlLaw(ABC):
     parameters : the law's own, of the type `parameters_type`; None where that is None
 
     Raises DesignError where the winch cannot be driven by this law.
-
-    Attributes
-    ----------
-    name : value of the parameter `law` that selects it; also the name of the group of its own parameters
-    summary : what it does, in a few words
-    parameters_type : class of its own parameters; None: it has none
-    required_sensors : must be in `sensors.use`
-    moves_winch : False: the brake stays on
-    feeds_back_unit : it feeds the motion of the unit back, so that a wrong model can make the loop unstable
-    keeps_limits : it keeps the limits of the winch by itself; other laws are given no more of a sea than the winch can
-        follow
-    gain_names : of the law's own gains, see `own_gains`
-    gain : u = -gain x, shape (n,), where the law is a linear state feedback while no limit acts; else empty
-    effort : what it asks of the winch, relative to a drum that follows the boom tip
-    preview : what it wants of a preview of the boom tip; None: it uses none
     """
 
+    # value of the parameter `law` that selects it; also the name of the group of its own parameters
     name: ClassVar[str]
-    summary: ClassVar[str]
-    parameters_type: ClassVar[type | None] = None
-    required_sensors: ClassVar[tuple[str, ...]] = ()
-    moves_winch: ClassVar[bool] = True
+    summary: ClassVar[str]  # what it does, in a few words
+    parameters_type: ClassVar[type | None] = None  # class of its own parameters; None: it has none
+    required_sensors: ClassVar[tuple[str, ...]] = ()  # must be in `sensors.use`
+    moves_winch: ClassVar[bool] = True  # False: the brake stays on
+    # it feeds the motion of the unit back, so that a wrong model can make the loop unstable
     feeds_back_unit: ClassVar[bool] = True
+    # it keeps the limits of the winch by itself; other laws are given no more of a sea than the winch can follow
     keeps_limits: bool = False
-    gain_names: ClassVar[tuple[str, ...]] = ()
+    gain_names: ClassVar[tuple[str, ...]] = ()  # of the law's own gains, see `own_gains`
 
     def __init__(self, design: LawDesign, parameters: Any) -> None:
         del design, parameters
+        # u = -gain x, shape (n,), where the law is a linear state feedback while no limit acts; else empty
         self.gain: Array = np.zeros(0)
-        self.effort = Effort()
-        self.preview: PreviewUse | None = None
+        self.effort = Effort()  # what it asks of the winch, relative to a drum that follows the boom tip
+        self.preview: PreviewUse | None = None  # what it wants of a preview of the boom tip; None: it uses none
 
     @classmethod
     def own_gains(cls, design: LawDesign, parameters: Any) -> dict[str, Array]:

@@ -26,13 +26,8 @@ from winch_controller_node.laws.parts.near_limits import near_limits
 class LqgParameters:
     """Feedback of all states."""
 
-    unit_share: float = parameter(
-        0.2,
-        unit="",
-        minimum=0.001,
-        maximum=100.0,
-        description="Fraction of the winch's speed limit available to the feedback of the unit's own error.",
-    )
+    unit_share: float = parameter(0.2, "", 0.001, 100.0,
+        "Fraction of the winch's speed limit available to the feedback of the unit's own error.")  # fmt: skip
 
 
 class FullStateFeedback(StateFeedback):

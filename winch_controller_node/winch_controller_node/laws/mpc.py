@@ -50,31 +50,14 @@ class MpcParameters:
 
     horizon: float = parameter(10.0, unit="s", minimum=1.0, maximum=60.0, description="Prediction horizon.")
     solve_ticks: int = parameter(1, unit="", minimum=1, maximum=20, description="Ticks between solutions.")
-    iteration_limit: int = parameter(
-        200, unit="", minimum=5, maximum=100_000, description="Iterations after which the last good plan is followed."
-    )
-    unit_heave: float = parameter(
-        0.01,
-        unit="m",
-        minimum=1e-4,
-        maximum=10.0,
-        description="Cost of law mpc: scale of unit heave. Laws lqr and lqg have weights.unit_heave.",
-    )
-    payout_acceleration: float = parameter(
-        0.5,
-        unit="m/s^2",
-        minimum=0.0,
-        maximum=1e3,
-        description="The same cost: scale of payout acceleration; smaller is more frugal, 0 leaves it out.",
-    )
+    iteration_limit: int = parameter(200, "", 5, 100_000, "Iterations after which the last good plan is followed.")
+    unit_heave: float = parameter(0.01, "m", 1e-4, 10.0,
+        "Cost of law mpc: scale of unit heave. Laws lqr and lqg have weights.unit_heave.")  # fmt: skip
+    payout_acceleration: float = parameter(0.5, "m/s^2", 0.0, 1e3,
+        "The same cost: scale of payout acceleration; smaller is more frugal, 0 leaves it out.")  # fmt: skip
     payout: float = parameter(50.0, unit="m", minimum=0.0, maximum=1e5, description="The same cost: scale of payout.")
-    command: float = parameter(
-        0.3,
-        unit="m/s",
-        minimum=1e-3,
-        maximum=1e3,
-        description="The same cost: scale of the command; a small one leaves some of the motion uncompensated.",
-    )
+    command: float = parameter(0.3, "m/s", 1e-3, 1e3,
+        "The same cost: scale of the command; a small one leaves some of the motion uncompensated.")  # fmt: skip
     free_payout_acceleration: float = parameter(
         0.6,
         unit="m/s^2",
@@ -91,30 +74,12 @@ class MpcParameters:
         description="Cost away from the winch limits: scale of the command; hardly any effect beside the term of "
         "payout acceleration.",
     )
-    release_time: float = parameter(
-        60.0,
-        unit="s",
-        minimum=0.0,
-        maximum=1e4,
-        description="Time constant with which the law returns to full effort after a limit shaped its plan.",
-    )
-    preview_time: float = parameter(
-        0.0,
-        unit="s",
-        minimum=0.0,
-        maximum=60.0,
-        description="Time ahead for which a preview of the boom tip is used, where one is given; 0: not used.",
-    )
-    preview_noise: float = parameter(
-        0.05, unit="m", minimum=1e-3, maximum=10.0, description="Error of that preview, 1 sigma."
-    )
-    softness: float = parameter(
-        1e-7,
-        unit="",
-        minimum=1e-12,
-        maximum=1.0,
-        description="Reciprocal weight of a violated constraint: smaller is harder.",
-    )
+    release_time: float = parameter(60.0, "s", 0.0, 1e4,
+        "Time constant with which the law returns to full effort after a limit shaped its plan.")  # fmt: skip
+    preview_time: float = parameter(0.0, "s", 0.0, 60.0,
+        "Time ahead for which a preview of the boom tip is used, where one is given; 0: not used.")  # fmt: skip
+    preview_noise: float = parameter(0.05, "m", 1e-3, 10.0, "Error of that preview, 1 sigma.")
+    softness: float = parameter(1e-7, "", 1e-12, 1.0, "Reciprocal weight of a violated constraint: smaller is harder.")
 
 
 def constrained_gain(model: LinearModel, parameters: MpcParameters) -> Array:

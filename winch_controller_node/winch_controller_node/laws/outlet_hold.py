@@ -39,11 +39,6 @@ class OutletHold:
     inertia : a of the two-state cable [s^2]; 0: the unit is left alone
 
     Raises DesignError for a first-order winch, whose command is a payout.
-
-    Attributes
-    ----------
-    row : of the rate command over all states, shape (n,)
-    settled_swing : swing about the uncompensated motion, payout included, at which the winch may stop [m]
     """
 
     def __init__(self, model: LinearModel, winch: WinchModelParameters, inertia: float) -> None:
@@ -53,9 +48,11 @@ class OutletHold:
         lag = winch.command_delay + winch.time_constant
         ahead = np.linalg.matrix_power(model.A, round(lag / model.dt))
         is_slow = math.sqrt(inertia) > HOLD_LAGS * lag
+        # swing about the uncompensated motion, payout included, at which the winch may stop [m]
         self.settled_swing = SETTLED_SWING if is_slow else math.inf
         damping = 2.0 * SETTLING_DAMPING * math.sqrt(inertia) if is_slow else 0.0
         outlet = model.row("boom_tip_heave") - model.row("payout") + damping * model.row("unit_heave_rate")
         rate = model.row("boom_tip_heave_rate") + damping * model.row("unit_heave_acceleration")
         back = rate + outlet / max(HOLD_TIME, HOLD_LAGS * lag)
+        # of the rate command over all states, shape (n,)
         self.row: Array = back @ ahead + standing_command(model, winch)

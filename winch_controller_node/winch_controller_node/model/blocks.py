@@ -21,26 +21,18 @@ PAYOUT_COMMAND = "payout_command"
 
 @dataclass(frozen=True)
 class CableModel:
-    """a x'' + b x' + x = x0 - payout (thesis Eq. 6.2).
+    """a x'' + b x' + x = x0 - payout (thesis Eq. 6.2)."""
 
-    Attributes
-    ----------
-    a : [s^2]; b : [s]
-    stiffness : top tension per metre of boom tip over outlet and unit [N/m]
-    static_tension : mean tension at the top [N]; unit_weight : of the unit less buoyancy, that at the lower end [N]
-    drag : quadratic drag: at a speed v of the unit the damping is drag |v|, where that is more than b [s^2/m]
-    natural_ratio : a by which the unit swings over a, which fits the waves: the cable has mass of its own [-]
-    participation : of that swing in a motion of the outlet, see `first_mode` [-]
-    """
-
-    a: float
-    b: float
-    stiffness: float = 1.0
-    static_tension: float = 0.0
-    unit_weight: float = math.inf
+    a: float  # [s^2]
+    b: float  # [s]
+    stiffness: float = 1.0  # top tension per metre of boom tip over outlet and unit [N/m]
+    static_tension: float = 0.0  # mean tension at the top [N]
+    unit_weight: float = math.inf  # of the unit less buoyancy, that at the lower end [N]
+    # quadratic drag: at a speed v of the unit the damping is drag |v|, where that is more than b [s^2/m]
     drag: float = 0.0
+    # a by which the unit swings over a, which fits the waves: the cable has mass of its own [-]
     natural_ratio: float = 1.0
-    participation: float = 1.0
+    participation: float = 1.0  # of that swing in a motion of the outlet, see `first_mode` [-]
 
     def __post_init__(self) -> None:
         if not (self.a > 0.0 and self.b >= 0.0):

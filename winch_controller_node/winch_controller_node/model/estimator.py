@@ -31,76 +31,45 @@ NO_WEIGHTS = (-1.0, 0.0, -1.0, 0.0)
 
 @dataclass(frozen=True, eq=False)
 class MeasurementModel:
-    """One scalar measurement of the state: value = (1 + scale) row x + noise.
+    """One scalar measurement of the state: value = (1 + scale) row x + noise."""
 
-    Attributes
-    ----------
-    name : of the measurement (row of the innovation arrays); sensor : it belongs to
-    row : shape (n,)
-    sigma : standard deviation of its noise
-    scale_state : index of the state that is its relative scale error; None: no such state
-    is_gated : False: never refused for being far off its prediction. It is for a sensor that is right where the model
-        is not (an encoder against a winch of unknown lags) and that has a gate of its own
-    """
-
-    name: str
-    sensor: str
-    row: Array
-    sigma: float
-    scale_state: int | None = None
+    name: str  # of the measurement (row of the innovation arrays)
+    sensor: str  # it belongs to
+    row: Array  # shape (n,)
+    sigma: float  # standard deviation of its noise, in its unit
+    scale_state: int | None = None  # index of the state that is its relative scale error; None: no such state
+    # False: never refused for being far off its prediction. It is for a sensor that is right where the model is not (an
+    # encoder against a winch of unknown lags) and that has a gate of its own
     is_gated: bool = True
 
 
 class Measurement(NamedTuple):
-    """One reading for the filter.
+    """One reading for the filter."""
 
-    Attributes
-    ----------
-    name : of a MeasurementModel
-    value : in its unit, about the same mean as the state
-    tick : at which it was measured (its stamp over the tick period, to the nearest tick)
-    offset : how much later than that tick, in ticks, -0.5 to 0.5
-    sigma : stated standard deviation; None: that of the model
-    regressors : further weights of up to two states for this reading, by state name (lever arm: pitch and roll)
-    """
-
-    name: str
-    value: float
-    tick: int
-    sigma: float | None = None
-    offset: float = 0.0
+    name: str  # of a MeasurementModel
+    value: float  # in its unit, about the same mean as the state
+    tick: int  # at which it was measured (its stamp over the tick period, to the nearest tick)
+    sigma: float | None = None  # stated standard deviation, in its unit; None: that of the model
+    offset: float = 0.0  # how much later than that tick, -0.5 to 0.5 [ticks]
+    # further weights of up to two states for this reading, by state name (lever arm: pitch and roll)
     regressors: Mapping[str, float] = NO_REGRESSORS
 
 
 class Innovation(NamedTuple):
-    """What a reading said against the prediction.
+    """What a reading said against the prediction."""
 
-    Attributes
-    ----------
-    value : measurement minus prediction; sigma : predicted standard deviation of it
-    nis : normalised innovation squared (value/sigma)^2
-    accepted : it was used; refused readings lie outside the gate, or were too old
-    """
-
-    value: float
-    sigma: float
-    nis: float
-    accepted: bool
+    value: float  # measurement minus prediction, in its unit
+    sigma: float  # predicted standard deviation of it, in its unit
+    nis: float  # normalised innovation squared (value/sigma)^2 [-]
+    accepted: bool  # it was used; refused readings lie outside the gate, or were too old
 
 
 class RecordedTick(NamedTuple):
-    """Inputs of the estimator at a tick.
+    """Inputs of the estimator at a tick."""
 
-    Attributes
-    ----------
-    number : of the tick
-    command : of the tick before
-    readings : delivered at it
-    """
-
-    number: int
-    command: float
-    readings: Sequence[Measurement]
+    number: int  # of the tick
+    command: float  # of the tick before, in its unit
+    readings: Sequence[Measurement]  # delivered at it
 
 
 def begin_anew(covariance: Array, state: int, sigma: float) -> None:
@@ -184,20 +153,6 @@ class KalmanEstimator:
     def value(self, output: str) -> float:
         """Return the estimate of an output of the model."""
         return float(self.model.row(output) @ self.estimate)
-
-    def row_of(self, reading: Measurement) -> Array:
-        """Return the row of a reading, shape (n,), on the state of its tick: by the model where it lies between ticks.
-
-        Newton's formula over two ticks ahead; what a command changes within them is left to its delay.
-        """
-        offset, which = reading.offset, self._which.get(reading.name)
-        if which is None:
-            # a cross-check is an output of the model only
-            row, change, bend = row_with_differences(self.model.row(reading.name), self.model)
-        else:
-            table = self._filter_model
-            row, change, bend = table.rows[which], table.changes[which], table.bends[which]
-        return np.asarray(row + offset * change + 0.5 * offset * (offset - 1.0) * bend) if offset != 0.0 else row
 
     def _refer_to(
         self, model: LinearModel, measurements: Sequence[MeasurementModel], drag: Drag | None, slack: Slack | None
@@ -331,6 +286,9 @@ class KalmanEstimator:
 
 
 def row_with_differences(row: Array, model: LinearModel) -> tuple[Array, Array, Array]:
-    """Return a row on the state of a tick, and its first and second differences over the ticks of a `model`."""
+    """Return a row on the state of a tick, and its first and second differences over the ticks of a `model`.
+
+    Of a reading between two ticks they give the row by Newton's formula over two ticks ahead (filter.cpp).
+    """
     change = row @ model.A - row
     return row, change, change @ model.A - change

@@ -20,16 +20,14 @@ class DesignError(ValueError):
 
 @dataclass(frozen=True, eq=False)
 class QuadraticCost:
-    """Time average of x' Q x + 2 x' N u + u' R u (thesis Eq. 6.29 as an average: its integral is infinite under noise).
+    """Time average of x' Q x + 2 x' N u + u' R u.
 
-    Attributes
-    ----------
-    Q : shape (n, n); N : shape (n, m); R : shape (m, m)
+    Thesis Eq. 6.29 as an average: its integral is infinite under noise.
     """
 
-    Q: Array
-    N: Array
-    R: Array
+    Q: Array  # shape (n, n)
+    N: Array  # shape (n, m)
+    R: Array  # shape (m, m)
 
 
 def output_cost(model: LinearModel, sizes: Mapping[str, float], command_size: float) -> QuadraticCost:

@@ -57,20 +57,13 @@ SMALLEST_DAMPING_RATIO = 0.002
 
 @dataclass(frozen=True)
 class PlantBelief:
-    """What the controller knows of the plant: enough for a, b and the tension at any length.
+    """What the controller knows of the plant: enough for a, b and the tension at any length."""
 
-    Attributes
-    ----------
-    cable, unit : as in the plant
-    water_density : [kg/m^3]
-    gravity : [m/s^2]
-    boom_tip_height : above still water [m], for a unit with a box; all of it is under water if not given
-    """
-
-    cable: CableParameters = field(default_factory=CableParameters)
-    unit: UnitParameters = field(default_factory=UnitParameters)
-    water_density: float = SEAWATER_DENSITY
-    gravity: float = STANDARD_GRAVITY
+    cable: CableParameters = field(default_factory=CableParameters)  # as in the plant
+    unit: UnitParameters = field(default_factory=UnitParameters)  # as in the plant
+    water_density: float = SEAWATER_DENSITY  # [kg/m^3]
+    gravity: float = STANDARD_GRAVITY  # [m/s^2]
+    # above still water [m], for a unit with a box; all of it is under water if not given
     boom_tip_height: float = -math.inf
 
     def line(self, length: float) -> AxialLine:
@@ -164,14 +157,9 @@ def second_order_vessel(sea: SeaModelParameters, vessel: VesselModelParameters) 
 
 
 def boom_tip_response(sea: SeaModelParameters, vessel: VesselModelParameters, omega: Array) -> NDArray[np.complex128]:
-    """Return boom-tip heave per wave amplitude: of a vessel with RAOs by themselves.
+    """Return boom-tip heave per wave amplitude at `omega` [rad/s], shape (n,): of a vessel with RAOs by themselves.
 
-    Parameters
-    ----------
-    sea, vessel : of the design
-    omega : [rad/s], shape (n,)
-
-    Raises ModelError where the RAOs cannot be read.
+    `sea` and `vessel` are those of the design. Raises ModelError where the RAOs cannot be read.
     """
     if vessel.model == "rao":
         try:
@@ -195,24 +183,16 @@ def boom_tip_block(sea: SeaModelParameters, vessel: VesselModelParameters) -> Li
 
 @dataclass(frozen=True)
 class ModelInputs:
-    """All that the augmented model is made of.
+    """All that the augmented model is made of."""
 
-    Attributes
-    ----------
-    cable, winch, sea, vessel : the plant and what moves it
-    cable_disturbance : white acceleration of the unit [m/s^2/sqrt(Hz)]
-    mru : the motion reference unit; None: no MRU states
-    slow : slow states by name, with their drift [unit/sqrt(s)]
-    boom_tip : white noise to boom tip as `boom_tip_block` gives it; None: that of sea and vessel
-    """
-
-    cable: CableModel
-    winch: WinchModelParameters
-    sea: SeaModelParameters
-    vessel: VesselModelParameters
-    cable_disturbance: float = 0.0
-    mru: MruModelParameters | None = None
-    slow: tuple[tuple[str, float], ...] = ()
+    cable: CableModel  # two-state cable
+    winch: WinchModelParameters  # as assumed
+    sea: SeaModelParameters  # as assumed
+    vessel: VesselModelParameters  # as assumed
+    cable_disturbance: float = 0.0  # white acceleration of the unit [m/s^2/sqrt(Hz)]
+    mru: MruModelParameters | None = None  # the motion reference unit; None: no MRU states
+    slow: tuple[tuple[str, float], ...] = ()  # slow states by name, with their drift [unit/sqrt(s)]
+    # white noise to boom tip as `boom_tip_block` gives it; None: that of sea and vessel
     boom_tip: LinearModel | None = None
 
 
@@ -284,21 +264,14 @@ def shadow_model(cable: CableModel, tick_period: float) -> LinearModel:
 
 @dataclass(frozen=True, eq=False)
 class LoopRows:
-    """Rows and indices of a model.
+    """Rows and indices of a model."""
 
-    Attributes
-    ----------
-    payout, payout_rate : rows of payout [m] and its rate [m/s], shape (n,)
-    payout_rate_through : what the active command adds to that rate: not 0 for a first-order winch without delay
-    tip : heave of the boom tip [m] and its rate, shape (2, n)
-    unit_states : indices of unit heave and rate in the state
-    """
-
-    payout: Array
-    payout_rate: Array
+    payout: Array  # row of payout [m], shape (n,)
+    payout_rate: Array  # row of the payout rate [m/s], shape (n,)
+    # what the active command adds to that rate, in its unit: not 0 for a first-order winch without delay
     payout_rate_through: float
-    tip: Array
-    unit_states: NDArray[np.int64]
+    tip: Array  # heave of the boom tip [m] and its rate, shape (2, n)
+    unit_states: NDArray[np.int64]  # indices of unit heave and rate in the state
 
 
 def loop_rows(model: LinearModel) -> LoopRows:

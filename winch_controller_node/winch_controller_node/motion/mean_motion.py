@@ -31,18 +31,15 @@ class MeanMotion:
     parameters : of moves
     order : number of states of the design's model
     tick_period : [s]
-
-    Attributes
-    ----------
-    mean, left_over, carried : payouts in motion
-    record : array of one `MeanMotion` of the core
     """
 
     def __init__(self, parameters: MoveParameters, order: int, *, tick_period: float) -> None:
-        self.record = new(MEAN_MOTION)
+        self.record = new(MEAN_MOTION)  # array of one `MeanMotion` of the core
         self.mean = MeanPayout(parameters, tick_period=tick_period, record=self.record["mean"])
+        # from before a stop, which returns slowly
         self.left_over = MeanPayout(parameters, tick_period=tick_period, record=self.record["left_over"])
         at_once, carried = replace(parameters, jerk_time=0.0), self.record["carried"]
+        # by which the mean is carried along
         self.carried = MeanPayout(at_once, tick_period=tick_period, record=carried)
         self._address, self._advance = self.record.ctypes.data, library().heave_core_advance_motion
         self._model: LinearModel | None = None

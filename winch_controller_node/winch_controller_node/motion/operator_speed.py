@@ -16,29 +16,16 @@ from winch_controller_node.parameters.laws import OperatorParameters
 
 @dataclass(frozen=True, slots=True)
 class OperatorRange:
-    """What the operator may use of the winch; compensation has what that leaves.
+    """What the operator may use of the winch; compensation has what that leaves."""
 
-    Attributes
-    ----------
-    speed, acceleration : largest [m/s], [m/s^2]
-    payout_minimum, payout_maximum : ends of the range [m]
-    lag : with which the mean payout goes to another speed [s]
-    """
-
-    speed: float
-    acceleration: float
-    payout_minimum: float
-    payout_maximum: float
-    lag: float
+    speed: float  # largest [m/s]
+    acceleration: float  # largest [m/s^2]
+    payout_minimum: float  # lower end of the range [m]
+    payout_maximum: float  # upper end of the range [m]
+    lag: float  # with which the mean payout goes to another speed [s]
 
     def nearest(self, speed: float, payout: float) -> float:
-        """Return the nearest speed to the one asked for from which the mean payout comes to rest within the range.
-
-        Parameters
-        ----------
-        speed : asked for, positive lowers [m/s]
-        payout : now [m]
-        """
+        """Return the speed next to `speed` [m/s], positive lowers, that ends in the range from a `payout` [m]."""
         down, up = self.payout_maximum - payout, payout - self.payout_minimum
         lowering, lifting = (approach_speed(max(room, 0.0), self.acceleration, self.lag) for room in (down, up))
         return float(np.clip(speed, -min(self.speed, lifting), min(self.speed, lowering)))
@@ -75,10 +62,6 @@ class OperatorSpeed:
     def drop(self) -> None:
         """Discard the request."""
         self._asked, self._age = 0.0, math.inf
-
-    def release(self) -> None:
-        """Let the request lapse in the next tick."""
-        self._asked, self._age = 0.0, self._timeout
 
     def advance(self, point: MovePoint, bounds: OperatorRange) -> float:
         """Return the speed of the next tick [m/s] at a `point` of mean payout, within `bounds`; 0 once it lapsed."""

@@ -23,9 +23,7 @@ class ProgrammeStep:
 class Programme:
     """Hands out each step once, when its time has come.
 
-    Parameters
-    ----------
-    parameters : times, moves and modes
+    `parameters` : times, moves and modes
     """
 
     def __init__(self, parameters: ProgrammeParameters) -> None:

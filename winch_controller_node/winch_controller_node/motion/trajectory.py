@@ -29,26 +29,16 @@ class MovePoint(NamedTuple):
 
 
 class MoveRequest(NamedTuple):
-    """What was last asked of the mean payout, as whoever makes the move a second time must know it.
+    """What was last asked of the mean payout, as whoever makes the move a second time must know it."""
 
-    Attributes
-    ----------
-    number : counts requests
-    kind : "go" to a target, "stop" smoothly, "halt", "drive" at a speed, "stand": it is elsewhere now, at rest
-    distance : to the target [m]
-    target : payout to go to [m]; NaN: it goes nowhere, or not by payout
-    speed : largest, or asked for [m/s]
-    acceleration : largest [m/s^2]
-    reference : distance by a depth sensor [m]; NaN: none
-    """
-
-    number: int = 0
+    number: int = 0  # counts requests
+    # "go" to a target, "stop" smoothly, "halt", "drive" at a speed, "stand": it is elsewhere now, at rest
     kind: str = "stand"
-    distance: float = 0.0
-    target: float = math.nan
-    speed: float = 0.0
-    acceleration: float = 0.0
-    reference: float = math.nan
+    distance: float = 0.0  # to the target [m]
+    target: float = math.nan  # payout to go to [m]; NaN: it goes nowhere, or not by payout
+    speed: float = 0.0  # largest, or asked for [m/s]
+    acceleration: float = 0.0  # largest [m/s^2]
+    reference: float = math.nan  # distance by a depth sensor [m]; NaN: none
 
 
 def approach_speed(distance: float, acceleration: float, lag: float) -> float:
@@ -72,28 +62,21 @@ class MeanPayout:
     parameters : default speed, acceleration, time over which acceleration builds up
     tick_period : [s]
     record : array of one `MeanPayout` of the core that it moves; None: it has its own
-
-    Attributes
-    ----------
-    lag : with which it goes to another speed [s]
-    point : now
-    target : of the last move [m]
-    request : that was last made
     """
 
     def __init__(self, parameters: MoveParameters, *, tick_period: float, record: Any = None) -> None:
         self._parameters = parameters
         self._dt = tick_period
-        self.lag = max(parameters.jerk_time, 2.0 * tick_period)
+        self.lag = max(parameters.jerk_time, 2.0 * tick_period)  # with which it goes to another speed [s]
         self._record = new(MEAN_PAYOUT) if record is None else record
         put(self._record, {"tick_period": tick_period, "jerk_time": parameters.jerk_time})
         self._move, self._address = self._record["move"], self._record.ctypes.data
         self._core = library()
-        self.point = MovePoint(0.0, 0.0, 0.0)
-        self.target = 0.0
+        self.point = MovePoint(0.0, 0.0, 0.0)  # now
+        self.target = 0.0  # of the last move [m]
         self._acceleration = parameters.acceleration
         self._ticks_to_go = 0
-        self.request = MoveRequest()
+        self.request = MoveRequest()  # that was last made
         self._set(MoveKind.STAND)
 
     def _note(self, kind: str, speed: float = 0.0, **where: float) -> None:

@@ -24,8 +24,8 @@ class EnvelopeParameters:
         "Largest travel about the requested move over the largest heave of the boom tip in the window.")  # fmt: skip
     travel_margin: float = parameter(0.3, "m", 0.0, 100.0, "Travel that is allowed beyond that.")
     travel_time: float = 60.0  # time constant with which travel decays [s]
-    early_factor: float = 2.5  # factor on both bounds while the window is empty
-    lost_factor: float = 0.8  # factor on both bounds while the drum's count or the MRU is lost
+    early_factor: float = 2.5  # factor on both bounds while the window is empty [-]
+    lost_factor: float = 0.8  # factor on both bounds while the drum's count or the MRU is lost [-]
     largest_heave: float = 15.0  # heave beyond which an MRU reading is implausible [m]
     largest_rate: float = 6.0  # rate beyond which an MRU reading is implausible [m/s]
     # change of the MRU's rate beyond which two readings in a row do not belong together [m/s^2]
@@ -40,19 +40,20 @@ class EnvelopeParameters:
     frozen_time: float = 0.4  # time that this takes at least [s]
     drum_margin: float = parameter(0.1, "m", 0.01, 10.0,
         "Distance of the count from the nominal drum at which the brake goes on.")  # fmt: skip
-    drum_share: float = 0.4  # fraction of the travel of the last drum_time that is added to that distance
+    drum_share: float = 0.4  # fraction of the travel of the last drum_time that is added to that distance [-]
     drum_time: float = 1.0  # time constant with which that distance decays [s]
-    # speed and acceleration of the count, over the largest recently commanded, that are allowed
+    # speed and acceleration of the count, over the largest recently commanded, that are allowed [-]
     stroke_factor: float = 1.5
     stroke_margin: float = 0.02  # travel allowed beyond that, in addition to two steps of the count [m]
-    stroke_gain: float = 0.7  # weight of the check of acceleration relative to that of speed: a drive may overshoot
+    stroke_gain: float = 0.7  # weight of the check of acceleration relative to that of speed [-]: a drive may overshoot
     stroke_late: float = 0.6  # additional lag that a drive may have beyond the stated one [s]
     stroke_soon: float = 0.1  # the same for a drive that was never later during the last envelope.window of motion [s]
     stroke_span: float = 0.3  # length of the two consecutive intervals that are compared for the acceleration [s]
     brake_margin: float = parameter(0.025, "m", 0.002, 10.0,
         "Motion of the count under the brake that is a slip; a single step of half of it is a jump.")  # fmt: skip
     rest_speed: float = 0.02  # speed below which a braked drum counts as at rest [m/s]
-    used_share: float = 0.9  # share of the bounds on speed and travel within which the controller keeps its own orders
+    # share of the bounds on speed and travel within which the controller keeps its own orders [-]
+    used_share: float = 0.9
     bound_time: float = 0.5  # time at a bound after which the envelope takes over [s]
     bound_window: float = 12.0  # time within which that counts [s]
     # time over which the envelope's own order, the MRU's raw rate about the requested move, fades [s]
@@ -67,11 +68,13 @@ class EnvelopeParameters:
     stop_time: float = 1.0  # time after the end of that ramp until the brake goes on [s]
     # distance of a requested move beyond that by the drum's count, or by the depth sensor [m]
     move_tolerance: float = 1.0
-    # spread of the load cell, over that of the nominal cable with the winch locked, that is harm
+    # spread of the load cell, over that of the nominal cable with the winch locked, that is harm [-]
     harm_ratio: float = 1.3
-    harm_margin: float = 0.01  # spread beyond that, over the static tension
-    # largest measured-to-nominal ratio, with the winch locked, that is accepted as the cable's own
+    harm_margin: float = 0.01  # spread beyond that, over the static tension [-]
+    # largest measured-to-nominal ratio, with the winch locked, that is accepted as the cable's own [-]
     harm_felt: float = 2.0
-    load_step: float = 0.15  # step of the load cell that is a jump, beyond the ship's motion, over the static tension
-    load_taut: float = 0.5  # tension over static below which the cable may snap: then no jump is detected for harm_time
+    # step of the load cell that is a jump, beyond the ship's motion, over the static tension [-]
+    load_step: float = 0.15
+    # tension over static below which the cable may snap [-]: then no jump is detected for harm_time
+    load_taut: float = 0.5
     harm_time: float = 10.0  # time constant of those spreads, and time for which they must say so [s]

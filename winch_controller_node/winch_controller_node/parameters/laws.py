@@ -96,9 +96,10 @@ class TensionLawParameters:
 class AlarmParameters:
     """Alarms of tension and winch."""
 
-    slack_ratio: float = 0.05  # alarm below this fraction of static tension; 0: none
+    slack_ratio: float = 0.05  # alarm below this fraction of static tension [-]; 0: none
     tension_ratio: float = parameter(1.5, "", 0.0, 100.0, "Alarm above this multiple of static tension; 0: none.")
-    saturation_share: float = 0.25  # alarm when the winch is at its limits for more than this fraction of the time
+    # alarm when the winch is at its limits for more than this fraction of the time [-]
+    saturation_share: float = 0.25
     saturation_time: float = 60.0  # averaging time of that fraction [s]
 
 
@@ -171,7 +172,7 @@ class HealthParameters:
     """Gates in front of the estimator."""
 
     frozen_samples: int = parameter(3, "", 2, 1000, "Number of equal readings in a row that mark a sensor as frozen.")
-    stale_samples: float = 3.0  # number of missing readings after which a sensor is lost
+    stale_samples: float = 3.0  # number of missing readings after which a sensor is lost [-]
     recover_samples: int = 10  # number of good readings in a row after which a lost sensor is good again
     stamp_tolerance: float = 0.001  # largest time by which the stamp of a reading may be ahead of now [s]
     encoder_step: float = parameter(0.05, "m", 1e-3, 10.0, "Deviation above which an encoder step is a jump.")

@@ -14,7 +14,7 @@ from collections import deque
 from heave_node.crane.kinematics import JOINTS, STILL
 from heave_node.crane.pose import CranePose, moved
 from heave_node.interface.alarm import Alarm
-from winch_controller_node.parameters.crane import CONFIRMED_AFTER, CraneModelParameters
+from winch_controller_node.parameters.model import CONFIRMED_AFTER, CraneModelParameters
 
 from heave_devices.crane.alarms import ALARMS
 

@@ -30,7 +30,7 @@ from heave_node.numerics.kinematics import height_of, height_rate_of
 from heave_node.sensing.recent_motion import RecentMotion
 from winch_controller_node.interface.readings import Measurements, ScalarReading
 from winch_controller_node.interface.sensors import MruModelParameters
-from winch_controller_node.parameters.crane import CraneModelParameters
+from winch_controller_node.parameters.model import CraneModelParameters
 
 from heave_devices.crane.pose_watch import PoseWatch
 

@@ -41,40 +41,25 @@ SHARES_OF_STEP = (1.0, 0.5, 0.25, 0.1, 0.03)
 
 @dataclass(frozen=True, eq=False)
 class DrumPrior:
-    """What is known of a drum before it has moved: fields of `Drum` and the factor, shape (FIELDS + 1,) each.
+    """What is known of a drum before it has moved: fields of `Drum` and the factor, shape (FIELDS + 1,) each."""
 
-    Attributes
-    ----------
-    nominal, sigmas, lowest, highest : the nominal one, how sure that is, and what can be at all
-    """
-
-    nominal: Array
-    sigmas: Array
-    lowest: Array
-    highest: Array
+    nominal: Array  # the nominal drum
+    sigmas: Array  # how sure that is, 1 sigma
+    lowest: Array  # lowest values that can be at all
+    highest: Array  # highest values that can be at all
 
 
 @dataclass(frozen=True, eq=False)
 class DrumFit:
-    """A drum.
+    """A drum."""
 
-    Attributes
-    ----------
-    theta : shape (FIELDS + 3,)
-    squares : sum of squared residuals [m^2]; count : of them
-    record : it was found in
-    free : what was found
-    sigmas : standard deviation of each of `free`
-    prior : how unlikely that is [nats]
-    """
-
-    theta: Array
-    squares: float
-    count: int
-    record: DrumRecord = field(repr=False)
-    free: tuple[int, ...]
-    sigmas: Array
-    prior: float
+    theta: Array  # shape (FIELDS + 3,)
+    squares: float  # sum of squared residuals [m^2]
+    count: int  # of them
+    record: DrumRecord = field(repr=False)  # it was found in
+    free: tuple[int, ...]  # what was found
+    sigmas: Array  # standard deviation of each of `free`
+    prior: float  # how unlikely that is [nats]
 
     @property
     def residual(self) -> float:

@@ -20,31 +20,18 @@ FACTOR, START_PAYOUT, START_RATE = FIELDS, FIELDS + 1, FIELDS + 2
 
 @dataclass(frozen=True, eq=False)
 class DrumRecord:
-    """A record.
+    """A record."""
 
-    Attributes
-    ----------
-    payouts, rates : set-points of the ticks, oldest first, more of them than readings by the longest delay [m], [m/s]
-    late : by how much later than usual each took effect [ticks]
-    tensions : at the top at the end of each of these ticks [N]; NaN: unknown
-    readings : of the encoder at the end of the last ticks, as payout by its assumed scale [m]; NaN: none
-    limited : the winch says that a limit acted in the tick, same shape
-    position_gain : of the servo's position loop [1/s]
-    dt : tick period [s]
-    onset : reading from which on the encoder's factor counts
-    breaks : readings from which on the encoder has another scale: it may have jumped there
-    """
-
-    payouts: Array
-    rates: Array
-    late: Array
-    tensions: Array
-    readings: Array
-    limited: NDArray[np.bool_]
-    position_gain: float
-    dt: float
-    onset: int = 0
-    breaks: tuple[int, ...] = ()
+    payouts: Array  # set-points of the ticks, oldest first, more of them than readings by the longest delay [m]
+    rates: Array  # rates of these set-points [m/s]
+    late: Array  # by how much later than usual each took effect [ticks]
+    tensions: Array  # at the top at the end of each of these ticks [N]; NaN: unknown
+    readings: Array  # of the encoder at the end of the last ticks, as payout by its assumed scale [m]; NaN: none
+    limited: NDArray[np.bool_]  # the winch says that a limit acted in the tick, same shape
+    position_gain: float  # of the servo's position loop [1/s]
+    dt: float  # tick period [s]
+    onset: int = 0  # reading from which on the encoder's factor counts
+    breaks: tuple[int, ...] = ()  # readings from which on the encoder has another scale: it may have jumped there
 
     @cached_property
     def seen(self) -> NDArray[np.bool_]:

@@ -76,13 +76,7 @@ ROUNDS = 5
 
 
 def identify(record: DrumRecord, prior: DrumPrior, assumed: Array) -> DrumFit:
-    """Return the drum that a record shows.
-
-    Parameters
-    ----------
-    record, prior : what was read, and what can be
-    assumed : the drum assumed so far, shape (FIELDS + 1,)
-    """
+    """Return the drum that a `record` shows, within its `prior`, near that `assumed` so far, shape (FIELDS + 1,)."""
     start = begun(record, assumed)
     # what is assumed is fitted again, but limits stay where the record does not reach them
     kept = [i for i in (DEADBAND, BACKLASH, HAULING, CREEP) if start[i] != prior.nominal[i]]

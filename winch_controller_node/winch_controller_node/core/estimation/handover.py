@@ -28,18 +28,12 @@ SEEN_SIGMA = 0.05
 
 @dataclass(frozen=True, eq=False)
 class Handover:
-    """How the loop goes on.
+    """How the loop goes on."""
 
-    Attributes
-    ----------
-    estimate : shape (n,); covariance : shape (n, n); mean_state : the mean payout's own motion, shape (n,)
-    lowered : how much the mean payout becomes larger [m]
-    """
-
-    estimate: Array
-    covariance: Array
-    mean_state: Array
-    lowered: float
+    estimate: Array  # shape (n,)
+    covariance: Array  # shape (n, n)
+    mean_state: Array  # the mean payout's own motion, shape (n,)
+    lowered: float  # how much the mean payout becomes larger [m]
 
 
 def hand_over(model: LinearModel, estimate: Array, covariance: Array, mean_state: Array) -> Handover:
@@ -62,12 +56,9 @@ def hand_over(model: LinearModel, estimate: Array, covariance: Array, mean_state
 
 
 def followed(model: LinearModel, mean_state: Array) -> Array:
-    """Return the mean payout's own motion, shape (n,), where the unit has followed it: no swing is left.
+    """Return the mean payout's own motion in the states of a `model` where the unit has followed it: no swing is left.
 
-    Parameters
-    ----------
-    model : of the loop
-    mean_state : that motion now, shape (n,)
+    `mean_state` : that motion now; both of shape (n,)
     """
     mean_state = mean_state.copy()
     mean_state[model.state("unit_heave")] = -mean_state[model.state("payout")]

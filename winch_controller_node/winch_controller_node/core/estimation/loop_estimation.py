@@ -81,30 +81,23 @@ def look_design(design: ControllerDesign) -> dict[str, Any]:
 class LoopEstimation:
     """Estimate of the loop, and of what the unit would do with the winch locked.
 
-    Parameters
-    ----------
-    design : model, measurements and noise
-
-    Attributes
-    ----------
-    estimator, observer : the filter and the gates in front of it
-    motion : mean payout and what it brings about
-    log : of what is observed, for the adviser
-    second : filter that explains the readings by nominal values alone; None: the active one does
-    by_count : filter that takes the drum to be where it is counted, while the active one goes by what it was
-        commanded; None: the two agree
+    `design` : model, measurements and noise
     """
 
     def __init__(self, design: ControllerDesign) -> None:
         parameters, dt = design.parameters, design.tick_period
+        # mean payout and what it brings about
         self.motion = MeanMotion(parameters.move, design.model.order, tick_period=dt)
-        self.estimator = design.make_estimator()
-        self.observer = Observer(design, self.estimator)
+        self.estimator = design.make_estimator()  # the filter
+        self.observer = Observer(design, self.estimator)  # the gates in front of it
         self._look = Look(look_design(design))
         self._has_begun, self._first_payout = False, math.nan
         self._sea = SeaTracker(design, self.observer.state["sea"])
-        self.log = ObservationLog(dt)
+        self.log = ObservationLog(dt)  # of what is observed, for the adviser
+        # filter that explains the readings by nominal values alone; None: the active one does
         self.second: SecondFilter | None = None
+        # filter that takes the drum to be where it is counted, while the active one goes by what it was commanded;
+        # None: the two agree
         self.by_count: SecondFilter | None = None
         self._recent: deque[tuple[int, float, Array]] = deque(maxlen=2 * round(LATENCY / dt))
         self._core = CoreTick()

@@ -29,27 +29,15 @@ class TensionMean(NamedTuple):
 
     The mean acceleration of a unit that goes nowhere is 0, so that it is the weight that the cable carries: it
     distinguishes a unit that stands from one that hangs, where a reading, or a low-pass of a second, shows the wave.
-
-    Attributes
-    ----------
-    value : [N]; NaN where there is none
-    sigma : standard deviation of the tension about it [N]
-    time : for which the situation has been the same [s]
     """
 
-    value: float = math.nan
-    sigma: float = 0.0
-    time: float = 0.0
+    value: float = math.nan  # [N]; NaN where there is none
+    sigma: float = 0.0  # standard deviation of the tension about it [N]
+    time: float = 0.0  # for which the situation has been the same [s]
 
 
 def free_swing(heave: float, rate: float, inertia: float) -> float:
-    """Return the amplitude [m] of the free swing that a unit makes on its cable.
-
-    Parameters
-    ----------
-    heave, rate : of the unit [m], [m/s]
-    inertia : a of the two-state cable [s^2]
-    """
+    """Return the amplitude [m] of a unit's free swing: `heave` [m], `rate` [m/s]; `inertia` is a of its cable [s^2]."""
     return math.hypot(heave, math.sqrt(inertia) * rate)
 
 

@@ -48,9 +48,7 @@ HEAVE_ALONE = "heave alone: it measures no rate"
 class EncoderGate:
     """The drum encoder as its gate in the core has it: the jumps that are taken off it, and its scale.
 
-    Parameters
-    ----------
-    state : array of one SenseState of the core
+    `state` : array of one SenseState of the core
     """
 
     def __init__(self, state: Any) -> None:
@@ -84,10 +82,6 @@ class EncoderGate:
     def payout_at(self, as_read: float) -> float:
         """Return the payout at which it has read `as_read`, as its scale is now [m]."""
         return float(self._record["last_payout"]) + (as_read - self.as_read) / self.scale
-
-    def count_at(self, payout: float) -> float:
-        """Return what the encoder reads at a `payout` [m], its jumps included: a drive's position loop counts by it."""
-        return self.scale * (payout + self.offset)
 
     def rescale(self, factor: float, payout: float) -> None:
         """Take the encoder to read `factor` times as much as it was taken to until now, and the last to be `payout`."""
@@ -206,10 +200,7 @@ class Observer:
     def unit_heave_reading(self, mean_state: Array, unit: int) -> float:
         """Return the newest depth as heave about that of the mean payout [m].
 
-        Parameters
-        ----------
-        mean_state : state of the mean payout's own motion, shape (n,)
-        unit : index of unit_heave in it
+        `mean_state` is the mean payout's own motion, shape (n,); `unit` the index of unit_heave in it.
         """
         return float(self.state["unit_heave"][0]) - float(mean_state[unit]) * (1.0 + self.stretch_per_payout)
 

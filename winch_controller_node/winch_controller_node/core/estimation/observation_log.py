@@ -18,20 +18,15 @@ from winch_controller_node.interface.readings import WinchOrder, WinchReading
 class ObservationLog:
     """Collects ticks into batches.
 
-    Parameters
-    ----------
-    tick_period : [s]
-
-    Attributes
-    ----------
-    epoch : tick with which the record begins: readings before and after do not belong together, nor do those before and
-        after the controller was restarted
+    `tick_period` : [s]
     """
 
     def __init__(self, tick_period: float) -> None:
         self._batch = max(1, round(BATCH / tick_period))
         self._ticks: list[tuple[float, ...]] = []
         self._readings: list[Array] = []
+        # tick with which the record begins: readings before and after do not belong together, nor do those before and
+        # after the controller was restarted
         self._first = self.epoch = 0
         self._is_broken = True
 

@@ -29,18 +29,14 @@ class PreviewWatch:
     ----------
     use : what the law wants of it; None: it uses none
     tick_period : [s]
-
-    Attributes
-    ----------
-    fault : why the newest preview is not used, in words; empty where it is, where none has come or none is wanted
-    has_come : one has come since the start
     """
 
     def __init__(self, use: PreviewUse | None, *, tick_period: float) -> None:
         self._use, self._dt = use, tick_period
         self._newest: HeavePreview | None = None
+        # why the newest preview is not used, in words; empty where it is, where none has come or none is wanted
         self.fault = ""
-        self.has_come = False
+        self.has_come = False  # one has come since the start
         lead_ticks = max(1, round(LEAD / tick_period))
         self._reported = deque([math.nan] * lead_ticks, maxlen=lead_ticks)
         self._lead = lead_ticks * tick_period

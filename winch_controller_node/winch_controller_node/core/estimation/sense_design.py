@@ -133,16 +133,10 @@ ENCODER_ROW = "payout"
 
 
 class SensorsWatched(NamedTuple):
-    """The sensors that have a gate, by name.
+    """The sensors that have a gate, by name."""
 
-    Attributes
-    ----------
-    in_use : whose readings the estimator takes
-    watched : these, and those that are always watched
-    """
-
-    in_use: dict[str, SensorModelParameters]
-    watched: dict[str, SensorModelParameters]
+    in_use: dict[str, SensorModelParameters]  # whose readings the estimator takes
+    watched: dict[str, SensorModelParameters]  # these, and those that are always watched
 
     @classmethod
     def of(cls, sensors: SensorsModelParameters) -> SensorsWatched:

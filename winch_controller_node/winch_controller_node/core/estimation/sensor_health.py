@@ -75,7 +75,7 @@ def lost_alarm(sensor: str, reason: str, *, age: float, limit: float, since: flo
 
 
 def doubtful_alarm(sensor: str, reason: str, /, **values: Value) -> Alarm:
-    """Return the alarm of a `sensor` that is used although its readings are not as they should be, for a `reason`."""
+    """Return the alarm, with its `values`, of a `sensor` that is used although something is wrong, for a `reason`."""
     return ALARMS.alarm(f"SENSOR_DOUBTFUL, {sensor.upper()}: {reason}", **values)
 
 

@@ -48,9 +48,7 @@ def decay_of(swing: float, cable: CableModel) -> Decay:
 class AfterStop:
     """Reports the swing that a stop has left.
 
-    Parameters
-    ----------
-    tick_period : [s]
+    `tick_period` : [s]
     """
 
     def __init__(self, tick_period: float) -> None:

@@ -25,10 +25,44 @@ from heave_core.look_table import Harm
 from heave_core.modes_table import WhyOff
 from heave_node.interface.alarm import Alarm
 
-from winch_controller_node.core.supervision.attempts import INTERRUPTION, prospect, sequel
 from winch_controller_node.core.supervision.guard_checks import GuardedLoop, guard_design
 from winch_controller_node.interface.alarms import ALARMS
 from winch_controller_node.parameters.laws import GuardParameters
+
+INTERRUPTION = 0.25
+"""Motion that a stop for want of commands leaves, over that with the winch locked: a swing of some waves."""
+
+NO_MORE = "every attempt has failed: request compensation once the cause has been found"
+"""What follows the last attempt."""
+
+
+def too_much(residual: float, largest: float) -> str:
+    """Return in words that a predicted `residual` is above the `largest`, over the motion with the winch locked."""
+    return f"it would leave {100.0 * residual:.0f} % of the motion with the winch locked, limit {100.0 * largest:.0f} %"
+
+
+def prospect(residual: float, largest: float, *, awaits_operator: bool) -> str:
+    """Return when compensation that is off is tried again.
+
+    Parameters
+    ----------
+    residual : motion that it is predicted to leave, over that with the winch locked
+    largest : most of it with which it is tried
+    awaits_operator : it is off until an operator asks for it
+    """
+    if awaits_operator:
+        return NO_MORE
+    if residual > largest:
+        return f"next attempt when it is predicted to help; {too_much(residual, largest)}"
+    return "next attempt once the cause has gone and the load has settled"
+
+
+def sequel(*, awaits_operator: bool) -> str:
+    """Return what follows a failed attempt, as a sentence of its alarm; `awaits_operator` as of `prospect`."""
+    if awaits_operator:
+        return f"{NO_MORE[0].upper()}{NO_MORE[1:]}"
+    return "The next attempt is automatic; if it fails too, request standby"
+
 
 CORRECTIONS_TIME, CORRECTIONS_REST = 20.0, 300.0
 """Time within which a belief is corrected again and again [s], and time from its beginning to the next such."""
@@ -42,17 +76,13 @@ class HarmGuard:
     parameters : window, ratio, floor
     loop : that it watches
     tick_period : [s]
-
-    Attributes
-    ----------
-    core : what is measured and compared
-    alarm : why it inhibits; None where it does not
     """
 
     def __init__(self, parameters: GuardParameters, loop: GuardedLoop, *, tick_period: float) -> None:
         self._parameters, self._dt = parameters, tick_period
         attempts = {"largest_residual": parameters.harm_ratio, "interruption": INTERRUPTION}
         learnt = tick_period / parameters.window
+        # what is measured and compared
         self.core = Guard(guard_design(parameters, loop, tick_period), {**attempts, "learnt": learnt})
         self._state, self._found = self.core.attempts[0], self.core.found[0]
         self._alarm: Alarm | None = None
@@ -153,9 +183,7 @@ class HarmGuard:
 
         What is corrected again and again is not known, and the loop is judged by what it does.
 
-        Parameters
-        ----------
-        belief : what it is about, as "winch"
+        `belief` : what it is about, as "winch"
         """
         reasons = int(self._state["begun"])
         self.core.explain()

@@ -17,17 +17,8 @@ from heave_core.watch_table import LANDING_STATE, Landed
 
 from winch_controller_node.parameters.laws import TensionLawParameters
 
-LOWERED = 0.15
-"""Distance that the winch lowers within a window [m]: some standard deviations of a depth sensor."""
-
 SHORTEST, LONGEST = 0.6, 8.0
 """Least and largest length of a window [s]."""
-
-WINDOWS = (1.0, 2.0, 3.0)
-"""Windows that are looked at, longer ones for noisier sensors."""
-
-LEAST_READINGS, FILLED = 4, 0.9
-"""Readings that a slope needs, and the share of a window that they must span."""
 
 LEAST_AUTHORITY = 0.5
 """Authority above which the mean payout lowers the unit."""
@@ -35,30 +26,27 @@ LEAST_AUTHORITY = 0.5
 LEAST_RATE = 0.01
 """The winch lowers above this speed [m/s]."""
 
-STEADY_SHARE = 0.85
-"""Lowering is steady over a window whose mean speed is at least this share of the speed now."""
-
-STANDING_SHARE = 0.4
-"""A unit stands that moves at no more than this share of the speed at which it is lowered."""
-
-RELIEF_SHARE = 0.5
-"""A cable is relieved by a standing unit that loses at least this share of what its stiffness makes of the lowering."""
-
-CERTAIN = 3.0
-"""Standard errors by which a trend must be more than nothing."""
-
-INNOVATION_ABOVE = 1.0
-"""Standard deviations by which the depth sensor reads a landed unit above a hanging one, on average over a window."""
-
-UNCONFIRMED_TIME = 3.0
-"""Longest time of an unconfirmed touchdown, in windows: then compensation is judged again."""
-
-PAUSE = 4.0
-"""Time from the beginning of one until the next such, over the longest time of one."""
-
 MEAN_ERROR = 0.3
 """Error of the mean tension over its memory, over the standard deviation of the tension: a swell of 20 s leaves
 sqrt(2)/(w t) = 0.15 of its own, and a group of waves, or a cable that goes slack and snaps, twice that."""
+
+CONSTANTS = {
+    "lowered": 0.15,  # some standard deviations of a depth sensor
+    "shortest": SHORTEST,
+    "longest": LONGEST,
+    "windows": (1.0, 2.0, 3.0),  # longer ones for noisier sensors
+    "least_readings": 4,
+    "filled": 0.9,
+    "least_rate": LEAST_RATE,
+    "steady_share": 0.85,
+    "standing_share": 0.4,
+    "relief_share": 0.5,
+    "certain": 3.0,
+    "innovation_above": 1.0,
+    "unconfirmed_time": 3.0,  # then compensation is judged again
+    "pause": 4.0,
+}
+"""Constants of landing: meanings and units are in the core's table, LANDING_DESIGN."""
 
 
 class LandingEvent(Enum):
@@ -80,24 +68,14 @@ STANDS, MAY_STAND, WEIGHED, UNLOADED, LIFTING, SHARE, EVENT = (
 
 @dataclass(frozen=True, slots=True)
 class HangingLoad:
-    """What is known of the load and its cable.
+    """What is known of the load and its cable."""
 
-    Attributes
-    ----------
-    static_tension : at the top while the unit hangs under water [N]
-    weight : of the unit in water [N]
-    stiffness : of the cable [N/m]
-    following_time : that the hanging unit needs to follow the winch, a quarter of its free swing [s]
-    swing_time : of a free swing or a wave, whichever is longer [s]
-    cable_weight : of the cable in water [N/m]
-    """
-
-    static_tension: float
-    weight: float
-    stiffness: float
-    following_time: float = 0.0
-    swing_time: float = 10.0
-    cable_weight: float = 0.0
+    static_tension: float  # at the top while the unit hangs under water [N]
+    weight: float  # of the unit in water [N]
+    stiffness: float  # of the cable [N/m]
+    following_time: float = 0.0  # that the hanging unit needs to follow the winch, a quarter of its free swing [s]
+    swing_time: float = 10.0  # of a free swing or a wave, whichever is longer [s]
+    cable_weight: float = 0.0  # of the cable in water [N/m]
 
     def weight_share(self, tension: float) -> float:
         """Return the share of the unit's weight that the cable carries under a `tension` at the top [N]."""
@@ -113,20 +91,7 @@ def landing_design(load: HangingLoad, touchdown_ratio: float) -> dict[str, Any]:
         "following_time": load.following_time,
         "swing_time": load.swing_time,
         "touchdown_ratio": touchdown_ratio,
-        "lowered": LOWERED,
-        "shortest": SHORTEST,
-        "longest": LONGEST,
-        "windows": WINDOWS,
-        "least_readings": LEAST_READINGS,
-        "filled": FILLED,
-        "least_rate": LEAST_RATE,
-        "steady_share": STEADY_SHARE,
-        "standing_share": STANDING_SHARE,
-        "relief_share": RELIEF_SHARE,
-        "certain": CERTAIN,
-        "innovation_above": INNOVATION_ABOVE,
-        "unconfirmed_time": UNCONFIRMED_TIME,
-        "pause": PAUSE,
+        **CONSTANTS,
     }
 
 
@@ -137,15 +102,11 @@ class Landing:
     ----------
     parameters : shares of the weight at which it has landed, and hangs again
     load : on the cable
-
-    Attributes
-    ----------
-    core : design and state
     """
 
     def __init__(self, parameters: TensionLawParameters, load: HangingLoad) -> None:
         self._parameters = parameters
-        self.core = LandingWatch(landing_design(load, parameters.touchdown_ratio))
+        self.core = LandingWatch(landing_design(load, parameters.touchdown_ratio))  # design and state
         self._flags = self.core.flags
 
     def take_load(self, load: HangingLoad) -> None:
@@ -160,16 +121,6 @@ class Landing:
     @unit_stands.setter
     def unit_stands(self, stands: bool) -> None:
         self._flags[STANDS] = stands
-
-    @property
-    def may_stand(self) -> bool:
-        """Tell whether it may just have landed: its readings are no check on the estimate of a hanging unit."""
-        return bool(self._flags[MAY_STAND])
-
-    @property
-    def is_unloaded(self) -> bool:
-        """Tell whether the winch is braked over a cable that does not carry the unit, on average."""
-        return bool(self._flags[UNLOADED])
 
     @property
     def share(self) -> float:

@@ -7,25 +7,28 @@ from heave_core.watch_table import LinkNews
 from heave_node.interface.alarm import Alarm
 
 from winch_controller_node.interface.alarms import ALARMS
-
-LATE_TICKS = 2
-"""Ticks in a row with a command overdue after which the delay of the winch is not what it was."""
+from winch_controller_node.interface.readings import Lateness
 
 LATE_WINDOW = 2.0
 """Commands of so many seconds are judged together: one hiccup of a machine is no slow transport."""
 
-SHARE_WINDOW, LARGEST_SHARE = 60.0, 0.1
-"""Share of the commands of so many seconds that may be late; half of it ends the alarm."""
+SHARE_WINDOW = 60.0
+"""A share of the commands of so many seconds may be late."""
 
 CUT_TIME = 0.5
 """Time without a new command taken after which the link counts as cut [s]: how late any command is, is then unknown."""
 
-
 ROUNDING = 1e-6
 """Part of a tick that counts as none."""
 
-MEMORY = 3.0
-"""Time for which a silence of the winch is the cause of a timeout [s]."""
+CONSTANTS = {
+    "late_ticks": 2,
+    "largest_share": 0.1,
+    "cut_time": CUT_TIME,
+    "memory": 3.0,
+    "rounding": ROUNDING,
+}
+"""Constants of the link: meanings and units are in the core's table, LINK_DESIGN."""
 
 
 def link_values(tick_period: float) -> dict[str, float]:
@@ -33,12 +36,8 @@ def link_values(tick_period: float) -> dict[str, float]:
     return {
         "minute": max(1, round(SHARE_WINDOW / tick_period)),
         "window": max(1, round(LATE_WINDOW / tick_period)),
-        "late_ticks": LATE_TICKS,
+        **CONSTANTS,
         "tick_period": tick_period,
-        "largest_share": LARGEST_SHARE,
-        "cut_time": CUT_TIME,
-        "memory": MEMORY,
-        "rounding": ROUNDING,
     }
 
 
@@ -103,3 +102,48 @@ class LateCommands:
             percent, largest = 100.0 * float(self._state["late_in_minute"]) / len(minute), float(minute.max())
             return ALARMS.alarm("COMMANDS_LATE: often", percent=percent, window=SHARE_WINDOW, largest=largest)
         return None
+
+
+NOTABLE = 0.2
+"""Delay that may be a cause [s]; watchdogs of winches are longer."""
+
+
+class TimeoutCause:
+    """Says why commands did not reach the winch in time.
+
+    Parameters
+    ----------
+    tick_period : [s]
+    link : of the core; None: its own
+    """
+
+    def __init__(self, tick_period: float, link: Link | None = None) -> None:
+        self._dt = tick_period
+        self._link = Link(link_values(tick_period)) if link is None else link
+
+    def update(self, *, has_state: bool, untaken: float) -> None:
+        """Take in a tick.
+
+        Parameters
+        ----------
+        has_state : a state of the winch came
+        untaken : time for which commands should have been in effect and were not [s]; not looked at without a
+            state
+        """
+        self._link.silence(untaken, has_state=has_state)
+
+    def words(self, lateness: Lateness) -> str:
+        """Return the cause in words, with the `lateness` of the ticks; empty where it is not known."""
+        state = self._link.state[0]
+        untaken = float(state["untaken"])
+        causes = {
+            "the controller was delayed, its commands came {:.2f} s late": lateness.of_controller,
+            "ticks began {:.2f} s late, the machine or the clock master stalled": lateness.of_clock,
+            "no data from the winch for {:.2f} s": float(state["silence"]) - self._dt,
+        }
+        text, delay = max(causes.items(), key=lambda cause: cause[1])
+        if delay > NOTABLE:
+            return text.format(delay)
+        if untaken > NOTABLE:
+            return f"commands were sent in time, and the winch took none for {untaken:.2f} s"
+        return ""

@@ -57,13 +57,8 @@ SETTLING_LIMIT = 30.0
 STOPPING_LIMIT = 20.0
 """Longest time that the winch may take to come to rest [s]; then the brake goes on, and the winch stops by itself."""
 
-MOST_LOSSES, LOSS_GROWTH, FORGIVEN = 3, 4.0, 600.0
-"""Compensation resumes automatically after so many losses of a sensor, each time after so many times the wait of the
-time before; they count no more once it has gone on for so long [s]."""
-
-COAST_RECOVERY = 0.2
-"""Share of the time in which a sensor is good that makes up for as much in which it was lost: one that comes and goes
-is lost."""
+MOST_LOSSES = 3
+"""Losses of a sensor after which compensation resumes automatically."""
 
 STANDSTILL = 1e-3
 """Speed below which the winch is at rest [m/s]."""
@@ -112,34 +107,22 @@ REQUESTS = {
 
 
 class Situation(NamedTuple):
-    """What a tick is, in words, for the reason of a mode and for what refuses a request.
+    """What a tick is, in words, for the reason of a mode and for what refuses a request."""
 
-    Attributes
-    ----------
-    lost : sensors that the present mode requires and that are lost, with the reason ("mru frozen"), empty when none
-    winch_fault : number of the winch's own fault, see WinchFault
-    harm : the guard's reason to fade out, empty when there is none
-    prospect : when compensation is tried again after harm, in words
-    is_damped_blind : the unit is damped by the depth sensor, and how it would move with the winch locked is not known
-    gates : why compensation may not begin now, with figures; empty when it may
-    tension : why constant tension may not begin now; empty when it may
-    fault_cause : why the winch has its fault, in words; empty where that is not known
-    awaits_operator : after this harm compensation is tried again only once an operator asks for it
-    resumes_after_fault : the winch has stopped for want of commands, and compensation is asked for again once they come
-    envelope : why the envelope has taken over, until an operator acknowledges; empty: it has not
-    """
-
+    # sensors that the present mode requires and that are lost, with the reason ("mru frozen"), empty when none
     lost: str = ""
-    winch_fault: int = WinchFault.NONE
-    harm: str = ""
-    prospect: str = ""
+    winch_fault: int = WinchFault.NONE  # number of the winch's own fault, see WinchFault
+    harm: str = ""  # the guard's reason to fade out, empty when there is none
+    prospect: str = ""  # when compensation is tried again after harm, in words
+    # the unit is damped by the depth sensor, and how it would move with the winch locked is not known
     is_damped_blind: bool = False
-    gates: str = ""
-    tension: str = ""
-    fault_cause: str = ""
-    awaits_operator: bool = False
+    gates: str = ""  # why compensation may not begin now, with figures; empty when it may
+    tension: str = ""  # why constant tension may not begin now; empty when it may
+    fault_cause: str = ""  # why the winch has its fault, in words; empty where that is not known
+    awaits_operator: bool = False  # after this harm compensation is tried again only once an operator asks for it
+    # the winch has stopped for want of commands, and compensation is asked for again once they come
     resumes_after_fault: bool = False
-    envelope: str = ""
+    envelope: str = ""  # why the envelope has taken over, until an operator acknowledges; empty: it has not
 
 
 # guards
@@ -147,18 +130,11 @@ class Situation(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class Guard:
-    """A condition on a row.
+    """A condition on a row."""
 
-    Attributes
-    ----------
-    number : in the core, where it is looked at
-    name : what must hold, in words
-    why_not : says why it does not, with figures; None: the name says enough
-    """
-
-    number: ModeGuard
-    name: str
-    why_not: Callable[[Situation], str] | None = None
+    number: ModeGuard  # in the core, where it is looked at
+    name: str  # what must hold, in words
+    why_not: Callable[[Situation], str] | None = None  # says why it does not, with figures; None: the name says enough
 
     def refusal(self, situation: Situation) -> str:
         """Return why the guard does not hold in a `situation`, in words."""
@@ -204,22 +180,13 @@ COUNT_LOSS = ModeAction.DO_COUNT_LOSS
 
 @dataclass(frozen=True, slots=True)
 class Transition:
-    """A row of the table.
+    """A row of the table."""
 
-    Attributes
-    ----------
-    sources : modes that it leaves
-    event : on which
-    target : mode that it enters; the same as the source: the mode stays, and only the actions are done
-    guards : that must all hold
-    actions : that are done, in order
-    """
-
-    sources: tuple[Mode, ...]
-    event: Event
-    target: Mode
-    guards: tuple[Guard, ...] = ()
-    actions: tuple[ModeAction, ...] = ()
+    sources: tuple[Mode, ...]  # modes that it leaves
+    event: Event  # on which
+    target: Mode  # mode that it enters; the same as the source: the mode stays, and only the actions are done
+    guards: tuple[Guard, ...] = ()  # that must all hold
+    actions: tuple[ModeAction, ...] = ()  # that are done, in order
 
 
 def _staying(modes: tuple[Mode, ...], event: Event, *actions: ModeAction) -> tuple[Transition, ...]:
@@ -315,8 +282,20 @@ TABLE: tuple[Transition, ...] = (
 """Every way from one mode to another. Where several rows fit, the first one counts."""
 
 
-HICCUP = 0.5
-"""Sensors that were lost for no longer than this [s] need not be good for the whole of a wait again."""
+CONSTANTS = {
+    "hiccup": 0.5,
+    "release_time": RELEASE_TIME,
+    "released_time": RELEASED_TIME,
+    "settling_limit": SETTLING_LIMIT,
+    "stopping_limit": STOPPING_LIMIT,
+    "loss_growth": 4.0,
+    "forgiven": 600.0,
+    "coast_recovery": 0.2,  # a sensor that comes and goes is lost
+    "standstill": STANDSTILL,
+    "back_time": BACK_TIME,
+    "most_losses": MOST_LOSSES,
+}
+"""Constants of the modes: meanings and units are in the core's table, MODE_DESIGN."""
 
 MODES = tuple(Mode)
 """Modes by their number in the core."""
@@ -356,17 +335,7 @@ def mode_design(parameters: ModeParameters, tick_period: float) -> dict[str, Any
         "fade_out_time": parameters.fade_out_time,
         "coast_time": parameters.coast_time,
         "resume_time": parameters.resume_time,
-        "hiccup": HICCUP,
-        "release_time": RELEASE_TIME,
-        "released_time": RELEASED_TIME,
-        "settling_limit": SETTLING_LIMIT,
-        "stopping_limit": STOPPING_LIMIT,
-        "loss_growth": LOSS_GROWTH,
-        "forgiven": FORGIVEN,
-        "coast_recovery": COAST_RECOVERY,
-        "standstill": STANDSTILL,
-        "back_time": BACK_TIME,
-        "most_losses": MOST_LOSSES,
+        **CONSTANTS,
         "resumes": parameters.resume,
         "count": len(rows),
         "rows": [*rows, *[empty] * (MODE_ROWS - len(rows))],
@@ -374,21 +343,13 @@ def mode_design(parameters: ModeParameters, tick_period: float) -> dict[str, Any
 
 
 class ModeOutput(NamedTuple):
-    """What the mode asks for in a tick.
+    """What the mode asks for in a tick."""
 
-    Attributes
-    ----------
-    mode : the active one; reason : why it has changed; empty: it has not
-    authority : authority of compensation, 0 to 1
-    brake : is to be on
-    before : mode of the tick before; None: the same
-    """
-
-    mode: Mode
-    reason: str
-    authority: float
-    brake: bool
-    before: Mode | None = None
+    mode: Mode  # the active one
+    reason: str  # why it has changed; empty: it has not
+    authority: float  # authority of compensation, 0 to 1 [-]
+    brake: bool  # is to be on
+    before: Mode | None = None  # mode of the tick before; None: the same
 
 
 LOOP_WORDS: dict[Mode, str] = {

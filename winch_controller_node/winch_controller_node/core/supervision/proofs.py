@@ -52,50 +52,28 @@ CLOSED = (Standing.SCALED, Standing.ALONE)
 
 
 class Fit(NamedTuple):
-    """How a cross-check fits what it should read.
+    """How a cross-check fits what it should read."""
 
-    Attributes
-    ----------
-    scale : slope of the least squares
-    correlation : of what is left of both without offset, trend and free swing
-    certainty : slope over its standard error, which allows for the correlation in time of the residual
-    """
-
-    scale: float
-    correlation: float
-    certainty: float
+    scale: float  # slope of the least squares [-]
+    correlation: float  # of what is left of both without offset, trend and free swing [-]
+    certainty: float  # slope over its standard error, which allows for the correlation in time of the residual [-]
 
 
 class Driven(NamedTuple):
-    """What the winch is used for in a tick.
+    """What the winch is used for in a tick."""
 
-    Attributes
-    ----------
-    waits : compensation is to begin
-    hangs : the unit hangs, as far as is known
-    taken_over : name of the alarm for which the envelope has taken over; empty: it has not
-    latest : stamp up to which a reading can be [s]
-    has_mru : it is neither lost nor excluded
-    """
-
-    waits: bool
-    hangs: bool
-    taken_over: str = ""
-    latest: float = math.inf
-    has_mru: bool = True
+    waits: bool  # compensation is to begin
+    hangs: bool  # the unit hangs, as far as is known
+    taken_over: str = ""  # name of the alarm for which the envelope has taken over; empty: it has not
+    latest: float = math.inf  # stamp up to which a reading can be [s]
+    has_mru: bool = True  # it is neither lost nor excluded
 
 
 class Proven(NamedTuple):
-    """What follows from the proofs of a tick.
+    """What follows from the proofs of a tick."""
 
-    Attributes
-    ----------
-    gate : why compensation may not begin, in words; empty where it may
-    alarms : what is new
-    """
-
-    gate: str = ""
-    alarms: tuple[Alarm, ...] = ()
+    gate: str = ""  # why compensation may not begin, in words; empty where it may
+    alarms: tuple[Alarm, ...] = ()  # what is new
 
 
 class Proofs:

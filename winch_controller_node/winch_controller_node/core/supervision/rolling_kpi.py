@@ -17,17 +17,13 @@ class KpiWindow:
     Parameters
     ----------
     window : [s]; tick_period : [s]
-
-    Attributes
-    ----------
-    records : of the core, by name
     """
 
     def __init__(self, window: float, *, tick_period: float) -> None:
         self._dt, rows = tick_period, max(2, round(window / tick_period))
         limits = {"speed": math.inf, "acceleration": math.inf}
         self._ring = KpiRing({"tick_period": tick_period, "rows": rows, **limits})
-        self.records = self._ring.records
+        self.records = self._ring.records  # of the core, by name
 
     def take_winch(self, winch: WinchModelParameters) -> None:
         """Count by the limits of another `winch` from now on."""

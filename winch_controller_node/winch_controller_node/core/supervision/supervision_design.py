@@ -31,17 +31,8 @@ REQUIRED_SENSORS = {
 OTHERS = ("mru", "encoder")
 """Sensors that those need."""
 
-HANGING_SHARES = (0.7, 1.3)
-"""A unit hangs whose cable carries on average a share of its weight between these, and that has not landed."""
-
-LEAST_AVERAGED = 1e-3
-"""Share of the memory of a mean tension from which on it has an error."""
-
 LONGEST_AGE = 6.0
 """Age of a depth reading up to which the estimate of its time is kept [s]: the largest latency, 5 s, and a second."""
-
-SETTLED_AT_REST = 0.01
-"""Swing of the unit at which a fade-out may end in calm water [m]; a sea adds its own, up to what a law can settle."""
 
 BLIND_LIMIT = 900.0
 """Longest time for which the unit is damped by the depth sensor alone, until the brake goes on [s]."""
@@ -58,16 +49,30 @@ TENSION_PEAK = 2.7
 TENSION_LEFT = 0.1
 """Share of a locked winch's tension that is left where the winch follows the whole sea: the cable has inertia too."""
 
-TENSION_HOLD = 300.0
-"""A highest tension that was once too low must be enough for so long before compensation keeps it again [s]."""
-
-LEAST_OFF = 3.0
-"""Difference of depth sensor and payout that is never too large [m]: of tide, draught and trim."""
-
-HELD_TIME, REPORTED_AGAIN = 5.0, 60.0
-"""Limited authority is reported once it has lasted for the first time [s], and again after the second; its end, once
-that has lasted for the first time.
-"""
+CONSTANTS = {
+    "cautious": CAUTIOUS,
+    "quiet_time": QUIET_TIME,
+    "least_rate": LEAST_RATE,
+    "least_authority": LEAST_AUTHORITY,
+    "tension_memory": TENSION_MEMORY,
+    "least_averaged": 1e-3,
+    "mean_error": MEAN_ERROR,
+    "hangs_least": 0.7,  # and it has not landed
+    "hangs_most": 1.3,
+    "least_off": 3.0,  # of tide, draught and trim
+    "peak": PEAK,
+    "peak_ratio": PEAK_OVER_SIGNIFICANT,
+    "slow_mean": SLOW_MEAN_FACTOR,
+    "tension_peak": TENSION_PEAK,
+    "tension_left": TENSION_LEFT,
+    "tension_hold": 300.0,
+    "settled_at_rest": 0.01,  # a sea adds its own, up to what a law can settle
+    "blind_limit": BLIND_LIMIT,
+    "held_time": 5.0,
+    "reported_again": 60.0,
+    "link_wait": WAIT,
+}
+"""Constants of supervision: meanings and units are in the core's table, SUPERVISION_DESIGN."""
 
 
 def required_sensors(mode: Mode) -> tuple[str, ...]:
@@ -94,40 +99,20 @@ def supervision_design(design: ControllerDesign, load: HangingLoad) -> dict[str,
         "command_timeout": WinchFault.COMMAND_TIMEOUT,
         "emergency_stop": WinchFault.EMERGENCY_STOP,
         "automatic": sum(1 << fault for fault in WinchFault if is_automatic(fault)),
-        "cautious": CAUTIOUS,
-        "quiet_time": QUIET_TIME,
-        "least_rate": LEAST_RATE,
-        "least_authority": LEAST_AUTHORITY,
-        "tension_memory": TENSION_MEMORY,
-        "least_averaged": LEAST_AVERAGED,
-        "mean_error": MEAN_ERROR,
+        **CONSTANTS,
         "cable_weight": load.cable_weight,
         "more": parameters.length - design.length,
-        "hangs_least": HANGING_SHARES[0],
-        "hangs_most": HANGING_SHARES[1],
         "hanging": parameters.tension.hanging,
         "length": parameters.length,
         "tip_height": parameters.boom_tip_height,
         "payout_tolerance": parameters.health.payout_tolerance,
         "stretch": pull / (cable.stiffness * design.length),
-        "least_off": LEAST_OFF,
         "longest_wait": LONGEST_WAIT * parameters.modes.settling_time,
-        "peak": PEAK,
-        "peak_ratio": PEAK_OVER_SIGNIFICANT,
         "peak_use": parameters.entry.peak_use,
         "payout_minimum": limits.payout_minimum,
         "payout_maximum": limits.payout_maximum,
         "highest_ratio": limits.maximum_tension / load.static_tension,
         "tension_per_metre": load.stiffness / load.static_tension,
         "stretch_weight": dt / parameters.guard.window,
-        "slow_mean": SLOW_MEAN_FACTOR,
-        "tension_peak": TENSION_PEAK,
-        "tension_left": TENSION_LEFT,
-        "tension_hold": TENSION_HOLD,
         "inertia": cable.a,
-        "settled_at_rest": SETTLED_AT_REST,
-        "blind_limit": BLIND_LIMIT,
-        "held_time": HELD_TIME,
-        "reported_again": REPORTED_AGAIN,
-        "link_wait": WAIT,
     }

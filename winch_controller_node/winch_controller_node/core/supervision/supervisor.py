@@ -14,10 +14,8 @@ from heave_node.interface.alarm import Alarm
 from heave_node.interface.codes import COMPENSATION_LOST, MODE_CHANGED, REQUESTED
 
 from winch_controller_node.core.estimation.loop_tick import TENSION_MEMORY, LoopTick
-from winch_controller_node.core.supervision.attempts import too_much
-from winch_controller_node.core.supervision.entry_gates import hanging_words, peaks_alarm, peaks_words, range_words
-from winch_controller_node.core.supervision.guard import HarmGuard
-from winch_controller_node.core.supervision.guard_checks import GuardedLoop
+from winch_controller_node.core.supervision.guard import HarmGuard, too_much
+from winch_controller_node.core.supervision.guard_checks import PEAK, GuardedLoop
 from winch_controller_node.core.supervision.landing import EVENTS, HangingLoad, Landing, LandingEvent
 from winch_controller_node.core.supervision.mode_machine import ModeMachine
 from winch_controller_node.core.supervision.modes import BRAKED, Mode, ModeOutput, Situation
@@ -30,6 +28,7 @@ from winch_controller_node.core.supervision.supervision_design import (
 from winch_controller_node.design.design import ControllerDesign
 from winch_controller_node.interface.alarms import ALARMS
 from winch_controller_node.laws.law import ControlLaw
+from winch_controller_node.laws.parts.winch_limits import WinchLimits
 
 ENDED = (*BRAKED, Mode.FADE_OUT, Mode.STOPPING)
 """Modes in which the unit is not held still."""
@@ -46,80 +45,44 @@ ASK_AGAIN = "check the cause, then request compensation"
 
 
 class WinchSituation(NamedTuple):
-    """Inputs of supervision about the winch and its commands.
+    """Inputs of supervision about the winch and its commands."""
 
-    Attributes
-    ----------
-    fault : the winch's own, 0 without
-    speed : as commanded [m/s], absolute
-    mean_payout : that the winch goes to [m]
-    settled_swing : swing of the unit at which a fade-out may end [m]
-    share : authority that is best with the winch as it is known, above 0
-    drum_error : drum less what was predicted of it a second ago [m]
-    inhibition : why compensation must be off; None: it need not
-    fault_cause : why the winch has its fault, in words; empty: unknown
-    is_reversed : drum or encoder are reversed: the winch is brought to rest until an operator releases it
-    mean_acceleration : with which the winch goes there [m/s^2]
-    envelope : why the envelope has taken over, in words; empty: it has not
-    proven : what follows from the proofs
-    cell_jumped : the load cell is off by a jump that no operator knows of
-    """
-
-    fault: int
-    speed: float
-    mean_payout: float
-    settled_swing: float
-    share: float = 1.0
-    drum_error: float = 0.0
-    inhibition: Alarm | None = None
-    fault_cause: str = ""
+    fault: int  # the winch's own, 0 without
+    speed: float  # as commanded [m/s], absolute
+    mean_payout: float  # that the winch goes to [m]
+    settled_swing: float  # swing of the unit at which a fade-out may end [m]
+    share: float = 1.0  # authority that is best with the winch as it is known, above 0 [-]
+    drum_error: float = 0.0  # drum less what was predicted of it a second ago [m]
+    inhibition: Alarm | None = None  # why compensation must be off; None: it need not
+    fault_cause: str = ""  # why the winch has its fault, in words; empty: unknown
+    # drum or encoder are reversed: the winch is brought to rest until an operator releases it
     is_reversed: bool = False
-    mean_acceleration: float = 0.0
-    envelope: str = ""
-    proven: Proven = Proven()
-    cell_jumped: bool = False
+    mean_acceleration: float = 0.0  # with which the winch goes there [m/s^2]
+    envelope: str = ""  # why the envelope has taken over, in words; empty: it has not
+    proven: Proven = Proven()  # what follows from the proofs
+    cell_jumped: bool = False  # the load cell is off by a jump that no operator knows of
 
 
 class Decision(NamedTuple):
-    """What supervision has decided in a tick.
+    """What supervision has decided in a tick."""
 
-    Attributes
-    ----------
-    mode : with authority and brake
-    is_inhibited : the guard keeps compensation off
-    is_damped : the unit is damped while compensation fades out
-    trusts_estimate : the depth sensor agrees with the estimate
-    fades_by_law : an operator has asked for a fade-out, and all is well: the law itself lets the unit go
-    unit_stands : on the bottom
-    bounds_tension : the highest tension is one that compensation can keep in this sea
-    landing : what has just happened to the unit; None: nothing
-    alarms : raised in this tick
-    """
-
-    mode: ModeOutput
-    is_inhibited: bool
-    is_damped: bool
-    trusts_estimate: bool
-    fades_by_law: bool
-    unit_stands: bool
-    bounds_tension: bool
-    landing: LandingEvent | None
-    alarms: tuple[Alarm, ...]
+    mode: ModeOutput  # with authority and brake
+    is_inhibited: bool  # the guard keeps compensation off
+    is_damped: bool  # the unit is damped while compensation fades out
+    trusts_estimate: bool  # the depth sensor agrees with the estimate
+    fades_by_law: bool  # an operator has asked for a fade-out, and all is well: the law itself lets the unit go
+    unit_stands: bool  # on the bottom
+    bounds_tension: bool  # the highest tension is one that compensation can keep in this sea
+    landing: LandingEvent | None  # what has just happened to the unit; None: nothing
+    alarms: tuple[Alarm, ...]  # raised in this tick
 
 
 class Sensed(NamedTuple):
-    """Where the core has what was sensed.
+    """Where the core has what was sensed."""
 
-    Attributes
-    ----------
-    sense : addresses of its design and state
-    tick : address of the tick
-    depths : returns the address of the depths read in it
-    """
-
-    sense: tuple[int, int]
-    tick: int
-    depths: Callable[[], int]
+    sense: tuple[int, int]  # addresses of its design and state
+    tick: int  # address of the tick
+    depths: Callable[[], int]  # returns the address of the depths read in it
 
 
 class Supervisor:
@@ -129,21 +92,17 @@ class Supervisor:
     ----------
     design : the active one; law : of it
     sensed : where the core has what was sensed
-
-    Attributes
-    ----------
-    modes : for requests of the operator
-    guard : whether compensation is harmful
-    landing : whether the unit stands
     """
 
     def __init__(self, design: ControllerDesign, law: ControlLaw, sensed: Sensed) -> None:
         parameters, dt = design.parameters, design.tick_period
+        # for requests of the operator
         self.modes = ModeMachine(
             parameters.modes, moves_winch=law.moves_winch, factor=parameters.factor, tick_period=dt
         )
+        # whether compensation is harmful
         self.guard = HarmGuard(parameters.guard, guarded_loop(design, law), tick_period=dt)
-        self.landing = Landing(parameters.tension, hanging_load(design))
+        self.landing = Landing(parameters.tension, hanging_load(design))  # whether the unit stands
         self._alarm_before, self._was_inhibited, self._dt, self._peak_reported = "", False, dt, 0.0
         self._design, self._state = new(SUPERVISION_DESIGN), new(SUPERVISION_STATE)
         self._seen, self._done = np.zeros(len(SUPERVISION_SEEN.rows)), np.zeros(len(SUPERVISED.rows))
@@ -370,4 +329,54 @@ def guarded_loop(design: ControllerDesign, law: ControlLaw) -> GuardedLoop:
         feeds_back_unit=law.feeds_back_unit,
         keeps_limits=law.keeps_limits,
         fade_time=min(modes.fade_in_time, modes.fade_out_time),
+    )
+
+
+def peaks_words(peak: float, most: float) -> str:
+    """Return that the `peak` of the boom tip over the winch's limits is above the `most` that may be used."""
+    return f"peaks of the boom tip need {100 * peak:.0f} % of the winch's limits, limit {100 * most:.0f} %"
+
+
+def peaks_alarm(peak: float, most: float, share: float) -> Alarm | None:
+    """Return how the peaks of the boom tip are above what a winch should be used for; None where they are not.
+
+    Compensation need not wait for a lower sea: it begins with what it can have of this one.
+
+    Parameters
+    ----------
+    peak : of the boom tip over the winch's limits
+    most : that may be used
+    share : of the sea that compensation begins with
+    """
+    if not peak > most:
+        return None
+    rest = "; motion beyond the limits stays" if share * peak > 1.0 else ""
+    return ALARMS.alarm("SEA_ABOVE_WINCH", percent=100.0 * peak, limit=100.0 * most, authority=100.0 * share, rest=rest)
+
+
+def range_words(payout: float, limits: WinchLimits, tip_sigma: float) -> str:
+    """Return how the range of a winch with `limits` does not hold the waves about a `payout` [m].
+
+    `tip_sigma` : standard deviation of the boom tip [m]
+    """
+    room = min(payout - limits.payout_minimum, limits.payout_maximum - payout)
+    return (
+        f"a payout of {payout:.1f} m leaves {max(room, 0.0):.1f} m to the end of the range, and the sea needs "
+        f"{PEAK * tip_sigma:.1f} m"
+    )
+
+
+def hanging_words(share: float, wait: float) -> str:
+    """Return why a unit whose landing was missed counts as hanging.
+
+    `share` of its weight the cable carries; NaN: that is not known until a `wait` [s] is over.
+    """
+    if not math.isnan(share):
+        return (
+            f"the load is suspended: the cable carries {100.0 * share:.0f} % of its weight, and constant tension "
+            "would drop it; land it first, or set tension.hanging"
+        )
+    return (
+        f"averaging the tension for {wait:.0f} s more, to know whether the load is suspended: request it again "
+        "then, or set tension.hanging"
     )

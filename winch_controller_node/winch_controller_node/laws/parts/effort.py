@@ -13,28 +13,17 @@ from winch_controller_node.model.regulator import is_sensor_state
 
 @dataclass(frozen=True)
 class Effort:
-    """Standard deviations in the design sea over those of a drum that follows the boom tip.
+    """Standard deviations in the design sea over those of a drum that follows the boom tip."""
 
-    Attributes
-    ----------
-    speed, acceleration : of the drum
-    rate_error : drum speed less boom-tip rate, over the latter
-    """
-
-    speed: float = 1.0
-    acceleration: float = 1.0
-    rate_error: float = 0.0
+    speed: float = 1.0  # of the drum [-]
+    acceleration: float = 1.0  # of the drum [-]
+    rate_error: float = 0.0  # drum speed less boom-tip rate, over the latter [-]
 
 
 def feedback_effort(model: LinearModel, gain: Array) -> Effort:
-    """Return the effort of u = -gain x with the state known.
+    """Return the effort of u = -`gain` x, shape (n,), with the state of a sampled `model` of a speed-servo loop known.
 
     A law that sees the unit alone acts when it has moved: later than the boom tip, and so with more speed than that.
-
-    Parameters
-    ----------
-    model : sampled augmented model of a loop with a speed servo
-    gain : shape (n,)
     """
     assert model.dt is not None
     names = [name for name in model.state_names if not is_sensor_state(name)]

@@ -24,17 +24,11 @@ SPEED, ACCELERATION, PAYOUT, POWER, TENSION, FADE = "speed", "acceleration", "pa
 
 
 class GovernedCommand(NamedTuple):
-    """What came out.
+    """What came out."""
 
-    Attributes
-    ----------
-    value : command in the terms of the linear model: the estimator's input
-    active : names of the limits that shaped it
-    sent : the same for the winch, whose acceleration limiter acts within the tick, and which has a gain of its own
-    """
-
-    value: float
-    active: tuple[str, ...]
+    value: float  # command in the terms of the linear model, in its unit: the estimator's input
+    active: tuple[str, ...]  # names of the limits that shaped it
+    # the same for the winch, in its unit: its acceleration limiter acts within the tick, and it has a gain of its own
     sent: float
 
 

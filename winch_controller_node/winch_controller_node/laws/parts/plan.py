@@ -84,23 +84,14 @@ class _Rows:
 
 
 class Planned(NamedTuple):
-    """What a plan is made for.
+    """What a plan is made for."""
 
-    Attributes
-    ----------
-    gain : of the feedback under it, shape (n,)
-    basis : of the correction, shape (ticks, m)
-    disturbances, fed : of a preview, shapes (k, n, p) and (k, p): what it adds to the state, and to the command
-    standing : row that gives the command under which the drum does not accelerate, shape (n,)
-    delay : of the command, in ticks
-    """
-
-    gain: Array
-    basis: Array
-    disturbances: Array
-    fed: Array
-    standing: Array
-    delay: int
+    gain: Array  # of the feedback under it, shape (n,)
+    basis: Array  # of the correction, shape (ticks, m)
+    disturbances: Array  # of a preview, shape (k, n, p): what it adds to the state
+    fed: Array  # of a preview, shape (k, p): what it adds to the command
+    standing: Array  # row that gives the command under which the drum does not accelerate, shape (n,)
+    delay: int  # of the command, in ticks
 
 
 class PlanRows:

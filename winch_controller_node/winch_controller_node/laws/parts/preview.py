@@ -27,17 +27,11 @@ STEP = 0.25
 
 @dataclass(frozen=True, slots=True)
 class PreviewUse:
-    """What a law wants of a preview.
+    """What a law wants of a preview."""
 
-    Attributes
-    ----------
-    first, last : it must cover all times ahead from the one to the other [s]
-    noise : assumed standard deviation of its error [m]
-    """
-
-    first: float
-    last: float
-    noise: float
+    first: float  # it must cover all times ahead from this one on [s]
+    last: float  # to this one [s]
+    noise: float  # assumed standard deviation of its error [m]
 
 
 class PreviewReader:
@@ -48,11 +42,6 @@ class PreviewReader:
     model : sampled augmented model of the design
     duration : of the preview that is used [s]
     noise : standard deviation of the preview's error [m]
-
-    Attributes
-    ----------
-    disturbances : of the states at each tick, per innovation of the preview, shape (ticks, n, m)
-    use : what it wants of a preview
     """
 
     def __init__(self, model: LinearModel, duration: float, noise: float) -> None:
@@ -60,7 +49,7 @@ class PreviewReader:
         every = max(1, round(STEP / model.dt))
         ticks = np.arange(every, round(duration / model.dt) + 1, every)
         self._times = ticks * model.dt
-        self.use = PreviewUse(float(self._times[0]), float(self._times[-1]), noise)
+        self.use = PreviewUse(float(self._times[0]), float(self._times[-1]), noise)  # what it wants of a preview
         sea = [i for i, name in enumerate(model.state_names) if is_sea_state(name)]
         A, Q = model.A[np.ix_(sea, sea)], model.noise_covariance[np.ix_(sea, sea)]
         rows = [model.row("boom_tip_heave")[sea]]
@@ -72,6 +61,7 @@ class PreviewReader:
         effects = np.array([[rows[k - 1 - j] if j < k else zero for k in ticks] for j in range(ticks[-1])])
         spread = effects @ Q
         covariance = np.einsum("jis,jks->ik", spread, effects) + noise**2 * np.eye(len(ticks))
+        # of the states at each tick, per innovation of the preview, shape (ticks, n, m)
         self.disturbances = np.zeros((ticks[-1], model.order, len(ticks)))
         self.disturbances[:, sea] = np.swapaxes(spread, 1, 2) @ np.linalg.inv(covariance)
 

@@ -88,21 +88,13 @@ def standing_wire(s: ComplexArray, wave_time: float) -> ComplexArray:
 
 
 class WireLoop(NamedTuple):
-    """What is between a rate command and the tension of a wire that stands.
+    """What is between a rate command and the tension of a wire that stands."""
 
-    Attributes
-    ----------
-    stiffness : of the wire [N/m]
-    round_trip : time of a wave down the wire and back [s]
-    delay, lag : of the winch, half a tick of holding each command included [s]
-    tick_period : [s]
-    """
-
-    stiffness: float
-    round_trip: float
-    delay: float
-    lag: float
-    tick_period: float
+    stiffness: float  # of the wire [N/m]
+    round_trip: float  # time of a wave down the wire and back [s]
+    delay: float  # of the winch, half a tick of holding each command included [s]
+    lag: float  # of the winch [s]
+    tick_period: float  # [s]
 
     @property
     def lateness(self) -> float:
@@ -276,13 +268,6 @@ class TensionAlone:
     cable : stiffness, and what a hanging unit does; winch : delay, lag and speed
     round_trip : time of a wave down the cable and back [s]
     time_constant : of the correction; the least, which delay and wire may lengthen [s]
-
-    Attributes
-    ----------
-    tip : the boom tip as tension and drum tell it
-    core : array of one `TensionAlone` of the core
-    largest : speed of the correction [m/s]
-    standing, hanging : time constant of the correction above a unit that stands, and above one that hangs [s]
     """
 
     def __init__(
@@ -295,10 +280,12 @@ class TensionAlone:
     ) -> None:
         assert model.dt is not None
         loop = wire_loop(cable, winch, round_trip, model.dt)
-        self.largest = winch.speed_limit
+        self.largest = winch.speed_limit  # speed of the correction [m/s]
+        # the boom tip as tension and drum tell it
         self.tip = TipByTension(model, loop, 1.0 / max(time_constant, standing_time_constant(loop)))
-        self.standing = self.tip.time_constant
+        self.standing = self.tip.time_constant  # time constant of the correction above a unit that stands [s]
+        # time constant of the correction above a unit that hangs [s]
         self.hanging = max(time_constant, hanging_time_constant(loop, cable))
-        self.core = new(TENSION_ALONE)
+        self.core = new(TENSION_ALONE)  # array of one `TensionAlone` of the core
         self.tip.tell(self.core)
         put(self.core, {"standing": self.standing, "hanging": self.hanging})

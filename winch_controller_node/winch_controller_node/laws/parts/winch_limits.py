@@ -15,26 +15,16 @@ from winch_controller_node.parameters.model import WinchModelParameters
 
 @dataclass(frozen=True)
 class WinchLimits:
-    """Active limits: the winch's own less what the controller does not use.
+    """Active limits: the winch's own less what the controller does not use."""
 
-    Attributes
-    ----------
-    speed, acceleration : largest [m/s], [m/s^2]
-    payout_minimum, payout_maximum : ends of the range that is used [m]
-    power : largest [W]; infinite without a limit
-    minimum_tension : least tension at the top that a plan may have [N]
-    maximum_tension : highest; above it the winch gives way [N]
-    static_tension : while all hangs at rest [N]; NaN: not known
-    """
-
-    speed: float
-    acceleration: float
-    payout_minimum: float
-    payout_maximum: float
-    power: float = math.inf
-    minimum_tension: float = 0.0
-    maximum_tension: float = math.inf
-    static_tension: float = math.nan
+    speed: float  # largest [m/s]
+    acceleration: float  # largest [m/s^2]
+    payout_minimum: float  # lower end of the range that is used [m]
+    payout_maximum: float  # upper end of the range that is used [m]
+    power: float = math.inf  # largest [W]; infinite without a limit
+    minimum_tension: float = 0.0  # least tension at the top that a plan may have [N]
+    maximum_tension: float = math.inf  # highest; above it the winch gives way [N]
+    static_tension: float = math.nan  # while all hangs at rest [N]; NaN: not known
 
     @property
     def usual_speed(self) -> float:
@@ -73,14 +63,10 @@ class ActiveWinch:
     winch : the assumed one
     limits : of it; attributes both
     tick_period : [s]
-
-    Attributes
-    ----------
-    record : array of one `ActiveWinch` of the core
     """
 
     def __init__(self, winch: WinchModelParameters, limits: WinchLimits, tick_period: float) -> None:
-        self.record = new(ACTIVE_WINCH)
+        self.record = new(ACTIVE_WINCH)  # array of one `ActiveWinch` of the core
         self._dt = tick_period
         self.take(winch, limits)
 

@@ -17,14 +17,12 @@ CHECKED_TIME = 1.0
 ORDERED_TIME = 0.8
 """Orders and encoder are compared over this time [s]."""
 
-LEAST_MOTION = 0.004
-"""Least motion of orders and encoder for a comparison, 1 sigma [m]."""
-
-LEAST_SEEN = 0.8
-"""Least fraction of the encoder readings that a comparison needs."""
-
-SETTLED = 5.0
-"""Time constants after which the initial state of a servo has decayed."""
+CONSTANTS = {
+    "least_seen": 0.8,
+    "least_motion": 0.004,
+    "settled": 5.0,
+}
+"""Constants of the drum's watch: meanings and units are in the core's table, DRUM_WATCH_DESIGN."""
 
 LONGEST = 12.0
 """Time for which orders and readings are kept [s]."""
@@ -43,20 +41,12 @@ TRUE = 0.1
 
 
 class Ordered(NamedTuple):
-    """What the encoder reads of what the winch was ordered.
+    """What the encoder reads of what the winch was ordered."""
 
-    Attributes
-    ----------
-    share : times as much
-    left : standard deviation of the rest over that of the readings
-    payout : where the drum should be by now, did it start where it was read [m]
-    is_limited : the winch says that it has been at a limit meanwhile
-    """
-
-    share: float
-    left: float
-    payout: float
-    is_limited: bool = False
+    share: float  # times as much [-]
+    left: float  # standard deviation of the rest over that of the readings [-]
+    payout: float  # where the drum should be by now, did it start where it was read [m]
+    is_limited: bool = False  # the winch says that it has been at a limit meanwhile
 
     def is_reversed(self, *, was: bool) -> bool:
         """Return whether the encoder is reversed, and if it `was` so, still is."""
@@ -94,9 +84,7 @@ def watched(drum: Drum, largest: float, position_gain: float, tick_period: float
         "ahead": ahead,
         "checked": 2 * round(CHECKED_TIME / tick_period),
         "ordered": round(ORDERED_TIME / tick_period),
-        "least_seen": LEAST_SEEN,
-        "settled": SETTLED,
-        "least_motion": LEAST_MOTION,
+        **CONSTANTS,
         "run": run_of(position_gain, tick_period)[0],
         "assumed": drum,
         "nominal": drum,

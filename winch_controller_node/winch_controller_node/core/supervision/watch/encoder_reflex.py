@@ -48,13 +48,7 @@ class Act(Enum):
 class EncoderReflex:
     """Watches the direction of the encoder.
 
-    Parameters
-    ----------
-    tick_period : [s]
-
-    Attributes
-    ----------
-    is_unresolved : drum or encoder go the other way, and which of them is not known: nothing can be done with the winch
+    `tick_period` : [s]
     """
 
     def __init__(self, tick_period: float) -> None:
@@ -63,6 +57,7 @@ class EncoderReflex:
         self._last = -1
         self._was_right, self._looks = False, 0
         self._true_share = 0.0
+        # drum or encoder go the other way, and which of them is not known: nothing can be done with the winch
         self.is_unresolved = False
         self._is_reversed = True
         self._verdict: Alarm | None = None
@@ -123,13 +118,9 @@ class EncoderReflex:
         return tick % max(1, round(LOOKED_EVERY / self._dt)) == 0
 
     def look(self, tick: int, ordered: Ordered | None, *, is_aside: bool) -> Act:
-        """Return what is to be done before a `tick` in which the winch moves.
+        """Return what is to be done before a `tick` in which the winch moves; `is_aside` : the encoder is set aside.
 
-        Parameters
-        ----------
-        tick : number
-        ordered : what the encoder reads of what was ordered; None: unknown, or no look is due
-        is_aside : it has been set aside
+        `ordered` : what the encoder reads of what was ordered; None: unknown, or no look is due
         """
         self._moving_time = self._moving_time + self._dt if tick == self._last + 1 else 0.0
         self._last = tick

@@ -32,9 +32,7 @@ def rope_strength(parameters: WinchControllerParameters) -> Strength | None:
 class Episode:
     """Reports the beginning of something that comes and goes.
 
-    Parameters
-    ----------
-    tick_period : [s]
+    `tick_period` : [s]
     """
 
     def __init__(self, tick_period: float) -> None:
@@ -49,13 +47,9 @@ class Episode:
 
 
 def watched(parameters: AlarmParameters, rope: Strength | None, tick_period: float) -> dict[str, float]:
-    """Return the values of the core's LoadWatchDesign.
+    """Return the values of the core's LoadWatchDesign, of its `parameters` and a `tick_period` [s].
 
-    Parameters
-    ----------
-    parameters : thresholds
-    rope : breaking force and required safety factor; None: not stated
-    tick_period : [s]
+    `rope` : breaking force and required safety factor; None: not stated
     """
     return {
         "tick_period": tick_period,
@@ -79,10 +73,6 @@ class LoadWatch:
     tick_period : [s]
     rope : breaking force and required safety factor; None: not stated
     travel : bound on that of constant tension [m]
-
-    Attributes
-    ----------
-    records : of the core, by name
     """
 
     def __init__(
@@ -95,7 +85,7 @@ class LoadWatch:
     ) -> None:
         self._parameters, self._rope, self._travel = parameters, rope, travel
         self._core = LoadRecord(watched(parameters, rope, tick_period))
-        self.records = self._core.records
+        self.records = self._core.records  # of the core, by name
 
     def alarms(
         self, found: int, tension: float, static_tension: float, rate: float = 0.0, mode: Mode = Mode.STANDBY

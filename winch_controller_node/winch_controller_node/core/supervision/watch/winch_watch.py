@@ -12,9 +12,14 @@ from heave_node.interface.alarm import Alarm
 from heave_node.interface.codes import WinchFault, WinchLimit
 
 from winch_controller_node.beliefs.drum import drum_of
-from winch_controller_node.core.supervision.late_commands import CUT_TIME, ROUNDING, LateCommands, link_values
+from winch_controller_node.core.supervision.late_commands import (
+    CUT_TIME,
+    ROUNDING,
+    LateCommands,
+    TimeoutCause,
+    link_values,
+)
 from winch_controller_node.core.supervision.watch.drum_watch import DrumWatch, watched
-from winch_controller_node.core.supervision.watch.timeout_cause import TimeoutCause
 from winch_controller_node.design.design import ControllerDesign
 from winch_controller_node.interface.alarms import ALARMS
 from winch_controller_node.interface.readings import Lateness, WinchOrder, WinchReading
@@ -28,16 +33,10 @@ PAYOUT = int(WinchLimit.PAYOUT)
 
 
 class TransportReport(NamedTuple):
-    """How commands get to the winch.
+    """How commands get to the winch."""
 
-    Attributes
-    ----------
-    alarm : what has just become wrong; None: nothing
-    inhibition : why compensation must be off; None: it need not
-    """
-
-    alarm: Alarm | None = None
-    inhibition: Alarm | None = None
+    alarm: Alarm | None = None  # what has just become wrong; None: nothing
+    inhibition: Alarm | None = None  # why compensation must be off; None: it need not
 
 
 ON_TIME = TransportReport()
@@ -50,19 +49,11 @@ NO_ORDER, NO_REPORT = (math.nan, 0.0, 0.0, False), (False, 0, 0, False)
 class WinchWatch:
     """Compares what the winch did with what it was ordered.
 
-    Parameters
-    ----------
-    design : with the nominal winch
-
-    Attributes
-    ----------
-    fault : of the winch, as it reported last: a state that misses its tick takes no fault away
-    late_commands : how many commands were late so far, and whether that is more than hiccups
-    drum : orders and encoder of the last seconds
-    kept : ticks for which the winch has kept its order, as it got none
+    `design` : with the nominal winch
     """
 
     def __init__(self, design: ControllerDesign) -> None:
+        # of the winch, as it reported last: a state that misses its tick takes no fault away
         self.fault = int(WinchFault.NONE)
         winch, largest, dt = design.parameters.winch, design.parameters.lag.largest, design.tick_period
         self._core = WinchRecord(
@@ -73,13 +64,14 @@ class WinchWatch:
                 "modelled": winch.command_delay,
             }
         )
-        self.drum = DrumWatch(winch, largest, dt, self._core.drum)
+        self.drum = DrumWatch(winch, largest, dt, self._core.drum)  # orders and encoder of the last seconds
         self._stated_delay, self._parameters = winch.command_delay, design.parameters
+        # how many commands were late so far, and whether that is more than hiccups
         self.late_commands = LateCommands(dt, self._core.link)
         self._timeout_cause = TimeoutCause(dt, self._core.link)
         self._link, self._error = self._core.link.state[0], self._core.state["error"]
         self._given: WinchOrder | None = None
-        self.kept = 0
+        self.kept = 0  # ticks for which the winch has kept its order, as it got none
 
     def take(self, assumed: Mapping[str, float]) -> None:
         """Go by the `assumed` winch from now on, by quantity."""
