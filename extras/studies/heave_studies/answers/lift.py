@@ -15,7 +15,7 @@ from heave_bags.mcap.read.folder import bag_of
 from heave_bags.report.figure import LIMIT, UNIT, Figure
 from heave_bags.report.parts import table
 from heave_bags.report.report import place_figure, unbroken
-from heave_bringup.output import sheet_table, warn
+from heave_bringup.output import make_table, sheet_table, warn
 from heave_bringup.run.records import read_records
 from heave_node.numerics.arrays import Array
 from heave_node.parameters import ParameterError
@@ -121,7 +121,7 @@ def answer(study: Study, frame: pandas.DataFrame, ask: Ask, /) -> Found:
         rows = [(one, judged) for one in built for judged in one.judged]
         states = [f"as built, {one.phase.name}: {one.state}" for one in built]
         failures += [words for one in built for words in one.failures]
-        parts += [sheet_table(BUILT, rows, texts=BUILT.headings), "\n".join(states)]
+        parts += [make_table(BUILT.headings, BUILT.cells(rows), texts=BUILT.headings), "\n".join(states)]
         cells = [[unbroken(cell) for cell in row] for row in BUILT.cells(rows)]
         body += ["<h2>As built</h2>", *(f"<p>{words}</p>" for words in states), table(BUILT.headings, cells, texts=3)]
         data["as_built"] = [one.to_json() for one in built]
