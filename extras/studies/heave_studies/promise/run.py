@@ -23,9 +23,6 @@ from heave_studies.study.cost import JUDGE, LOOP, START, Meter
 ALARMED = 1.5
 """Ratio to off that is not reached without an alarm."""
 
-TICK = 0.05
-"""Tick period of all scenarios [s]."""
-
 MOVE_LAG = 0.35
 """Delay and time constant of the winch of all scenarios [s]."""
 
@@ -58,11 +55,6 @@ class Outcome:
     failure: str = ""  # why the case could not be run; empty: it could
     alarms: tuple[tuple[float, str], ...] = field(default=())  # all of them, with their times [s]
     cost: Mapping[str, float] = field(default_factory=dict)  # processor time by part [s]
-
-    @property
-    def is_judged(self) -> bool:
-        """Tell whether a minute at least was judged."""
-        return math.isfinite(self.worst)
 
 
 def run_case(case: Case, duration: float = DURATION) -> Outcome:
