@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import asdict, replace
 
 import numpy as np
@@ -10,13 +11,18 @@ import pandas
 import pytest
 from heave_bringup.cli import main
 from heave_bringup.closed_loop import COLUMNS, LoopRecord
+from heave_bringup.scenarios import load_scenario
+from heave_core.layout import STRUCTURES
+from heave_core.library import dtype_of
 from heave_studies.promise import cases, run, study
+from heave_studies.promise.ablation import ALL, CHECKS, LEARNING, REFLEXES, switched_off
 from heave_studies.promise.cases import KINDS, SAFETY, SCENARIOS, STRAINS, Case, draw
 from heave_studies.promise.deviation import Chance, nominal
-from heave_studies.promise.figures import broken, changes, figures_of
+from heave_studies.promise.figures import ablation_rows, broken, changes, figures_of
 from heave_studies.promise.findings import findings_of, warnings_of
 from heave_studies.promise.run import Outcome, counted, judged, run_case
 from heave_studies.promise.table import DEVIATIONS, OPERATIONS, highest, sea_of
+from winch_controller_node.core.component import WinchController
 
 DAY = 20300101
 TICK = 0.05
@@ -143,7 +149,8 @@ def test_an_alarm_comes_before_a_minute_at_one_and_a_half_is_over(when, is_alarm
 def test_a_loop_that_never_begins_says_why_and_whether_it_has_a_reason():
     never = record_of(lambda _: 1.0, mode=lambda _: "standby")
     found = judged(CASE, never, obstacle="mru frozen")
-    assert (found.reason, found.has_true_reason, found.is_judged) == ("never began: mru frozen", False, False)
+    assert (found.reason, found.has_true_reason) == ("never began: mru frozen", False)
+    assert math.isnan(found.worst)
     silent = replace(CASE, lost=(("mru", 0.0, 390.0),))
     assert judged(silent, never, obstacle="mru frozen").has_true_reason
 
@@ -201,7 +208,7 @@ def drawn(ratios, **values) -> pandas.DataFrame:
             **asdict(Outcome(worst=float(ratio), at=60.0, efficiency=1.0 - float(ratio))),
             **{"alarmed": "", **values},
         }
-        row = {"case": number + 1, "index": number, "law": "mpc", **outcome}
+        row = {"case": number + 1, "index": number, "without": "", "law": "mpc", **outcome}
         rows.append({name: "" if isinstance(value, tuple) else value for name, value in row.items()})
     return pandas.DataFrame(rows).astype({"worst": float})
 
@@ -239,28 +246,35 @@ def test_the_promise_is_broken_where_a_share_is_not_reached(kind, ratios, values
     assert broken(kind, figures_of(drawn(ratios, **values))) == breaches
 
 
-def test_draws_that_changed_are_told_the_largest_change_first():
-    """By more than 0.1: draw 1 is worse, draw 2 better, draw 0 the same."""
-    pairs = changes(drawn([0.1, 0.9, 0.5]), drawn([0.15, 2.0, 0.2]))
-    assert list(pairs.index) == [1, 2]
+def test_an_ablation_counts_the_draws_that_a_part_saves_and_costs():
+    """By more than 0.1: without the part draw 1 is worse, draw 2 better, draw 0 the same."""
+    frame = pandas.concat([drawn([0.1, 0.9, 0.5]), drawn([0.15, 2.0, 0.2]).assign(without="guard")])
+    _, rows = ablation_rows(frame)
+    assert [row[:3] for row in rows] == [["nothing", "0", "0"], ["guard", "1", "1"]]
+    pairs = changes(frame[frame["without"] == ""], frame[frame["without"] != ""])
+    assert list(pairs.index) == [1, 2], "the largest change first"
 
 
 def pretended(case):
-    """Stand for a run: the worst minute is that of the index."""
-    return Outcome(worst=0.1 * case.index, at=60.0, efficiency=0.9, alarms=((1.0, "x"),))
+    """Stand for a run: the worst minute is that of the index, larger where the adviser looks at no sea."""
+    ((owner, name, replacement),) = ALL["sea"]
+    worst = 3.0 if getattr(owner, name) is replacement else 0.1 * case.index
+    return Outcome(worst=worst, at=60.0, efficiency=0.9, alarms=((1.0, "x"),))
 
 
-def test_the_study_runs_the_draws_of_a_seed_and_compares(tmp_path, monkeypatch, capsys):
+def test_the_study_runs_the_draws_of_a_seed_and_without_a_part_and_compares(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(study, "run_case", pretended)
     run = ["study", "few", "--ask", f"seed={DAY}", "--draws", "3", "--processes", "1"]
     assert main([*run, "--output", "before"]) == 0
     assert "verdict: passed: the promise is kept" in capsys.readouterr().out
-    assert main([*run, "--ask", "against=before/table.parquet", "--output", "now"]) == 0
-    assert "Against" not in capsys.readouterr().out, "no draw has changed"
+    assert main([*run, "--ask", "without=[sea]", "--ask", "against=before/table.parquet", "--output", "now"]) == 0
+    said = capsys.readouterr().out
+    assert "What each part saves" in said
+    assert "Against" not in said, "no draw has changed"
     frame = pandas.read_parquet("now/table.parquet")
-    assert frame["worst"].tolist() == pytest.approx([0.0, 0.1, 0.2])
-    assert frame["words"].tolist() == [draw("few", DAY, index).words for index in range(3)]
+    assert frame["worst"].tolist() == pytest.approx([0.0, 0.1, 0.2, 3.0, 3.0, 3.0])
+    assert frame["words"].tolist()[:3] == [draw("few", DAY, index).words for index in range(3)]
     assert "significant_wave_height" in frame["scenario"][0]
     monkeypatch.setattr(study, "run_case", lambda _: Outcome(worst=1.3))
     assert main([*run, "--ask", "only=7"]) == 3, "a promise that is broken fails the verdict"
@@ -269,7 +283,7 @@ def test_the_study_runs_the_draws_of_a_seed_and_compares(tmp_path, monkeypatch, 
 
 @pytest.mark.parametrize(
     ("ask", "words"),
-    [("seed=x", "ask: seed = 'x'"), ("only=[-1]", "ask: only = -1")],
+    [("without=gurad", "there is no part 'gurad'"), ("seed=x", "ask: seed = 'x'"), ("only=[-1]", "ask: only = -1")],
 )
 def test_what_is_wrong_with_what_is_asked_is_one_line(ask, words, capsys):
     assert main(["study", "few", "--ask", ask]) == 2
@@ -284,9 +298,53 @@ def test_a_case_is_run_for_a_few_seconds_with_its_operator():
     assert found.reason.startswith("never began: ")
     assert found.refused == ("1 s: an operator's speed needs mode compensating or manual; the mode is standby",)
     assert found.efficiency == 0.0
+    assert found.cost["controller"] > 0.0
 
 
 def test_a_case_that_cannot_be_run_says_why():
     assert run_case(replace(draw("few", DAY, 0), settings={"virtual_winch.no_such": 1.0})).failure.startswith(
         "ParameterError"
     )
+
+
+NAME_OF = {dtype_of(one): one.name for one in STRUCTURES}
+
+
+def designs_in(what: object, seen: set[int]) -> Iterator[bytes]:
+    """Yield the designs that the compiled core reads, as bytes, of all that hangs on an object, in its order."""
+    if id(what) in seen or isinstance(what, str | bytes | int | float | type):
+        return
+    seen.add(id(what))
+    if isinstance(what, np.ndarray):
+        if NAME_OF.get(what.dtype, "").endswith("Design"):
+            yield what.tobytes()
+    elif isinstance(what, list | tuple | dict):
+        for one in what.values() if isinstance(what, dict) else what:
+            yield from designs_in(one, seen)
+    else:
+        for one in list(getattr(what, "__dict__", {}).values()):
+            yield from designs_in(one, seen)
+
+
+@pytest.mark.parametrize("name", [one for one in (*REFLEXES, *CHECKS) if one != "encoder reflex"])
+def test_what_is_switched_off_in_the_compiled_core_reaches_its_design_and_is_there_again(name):
+    nominal = load_scenario("b2_calm_300").parameters["winch_controller"]
+
+    def designs() -> list[bytes]:
+        return list(designs_in(WinchController(nominal, tick_period=TICK), set()))
+
+    whole = designs()
+    with switched_off(name):
+        without = designs()
+    assert len(without) == len(whole) > 3
+    assert without != whole
+    assert designs() == whole
+
+
+@pytest.mark.parametrize("name", [*LEARNING, "encoder reflex"])
+def test_what_is_switched_off_in_python_is_another_and_is_there_again(name):
+    whole = [getattr(owner, part) for owner, part, _ in ALL[name]]
+    with switched_off(name):
+        assert all(getattr(owner, part) is value for owner, part, value in ALL[name])
+    assert whole == [getattr(owner, part) for owner, part, _ in ALL[name]]
+    assert whole != [value for *_, value in ALL[name]]

@@ -28,6 +28,7 @@ from heave_node.parameters import ParameterError
 from heave_studies.study import cases
 from heave_studies.study.case_file import CASE, FILES, SCENARIO, read_cases, write_case
 from heave_studies.study.cases import Cases
+from heave_studies.study.cost import COST, LIFTS, PARTS, cost_rows, write_cost
 from heave_studies.study.engine import JOURNAL, SETTLED, TABLE, run_study
 from heave_studies.study.runs import CaseResult, Task, run_task
 from heave_studies.study.study_file import read_study
@@ -160,7 +161,7 @@ def test_a_screening_settles_the_cases_that_it_covers(monkeypatch, tmp_path):
 
 def screened(tasks):
     lifts = {str(one.case.number): {**pretended(one).to_plain(), "is_screened": True} for one in tasks}
-    return {cases.LIFTS: lifts, SETTLED: len(lifts)}
+    return {LIFTS: lifts, SETTLED: len(lifts)}
 
 
 @pytest.mark.parametrize("text", ["scenario: [1,2\n x", "scenario: \tb2\n\t- x", "- 1", "\x00", "a: *b"])
@@ -253,7 +254,7 @@ def test_a_study_of_which_no_case_ran_ends_with_status_1(kind, monkeypatch, caps
         (["seeds", "--ask", "answer=limts"], "ask: answer = limts: must be one of cases, limits"),
         (["seeds", "--require", "sgima<3"], "sgima is not a figure of merit"),
         (["few", "--seeds", "3"], "--seeds: is not for few: write it into its file"),
-        (["no_such_study"], "no_such_study: no such study or file; shipped are: cable"),
+        (["no_such_study"], "no_such_study: no such study or file; shipped are: ablation"),
         ([], "name a study file"),
     ],
 )
@@ -342,9 +343,79 @@ def test_a_study_that_is_killed_and_goes_on_with_two_workers_elsewhere_gives_the
     assert table.read_bytes() == Path("whole", TABLE).read_bytes()
 
 
-def test_the_page_has_title_question_criteria_and_units(kind):
+UNTIL = """
+scenario: b2_calm_300
+duration: 3
+set: {all.transient: 1.0}
+vary: {winch_controller.law: [lqg, mpc]}
+until: {figure: unit_sigma_m, width: 10 %, most: 40}
+"""
+
+
+def scattered(task: Task) -> CaseResult:
+    """Stand for a run whose figure scatters about 1 m: by 1 % under lqg, by 10 % under mpc."""
+    spread = 0.01 if task.case.settings["winch_controller.law"] == "lqg" else 0.1
+    value = 1.0 + spread * float(np.random.default_rng(task.case.seed).standard_normal())
+    kpis = dict.fromkeys(kpi_set.DEFINITION_OF, value) | {"snaps": 0.0, "uncompensated_snaps": 0.0}
+    return CaseResult(task.case, kpis, "", 0.5)
+
+
+def test_seeds_are_added_until_the_interval_of_the_mean_is_narrow(kind, monkeypatch):
+    """Width of Student's interval: 2 t s / sqrt(n), so about (2 * 1.7 * 0.1 / 0.1)^2 = 11 seeds under mpc."""
+    monkeypatch.setattr(cases, "run_task", scattered)
+    Path("own.yaml").write_text(UNTIL)
+    study = read_study(Path("own.yaml"))
+    frame, _ = run_study(Cases(study), Path("out"), processes=1)
+    counts = frame.groupby("winch_controller.law").size().to_dict()
+    assert counts["lqg"] <= 4
+    assert 8 <= counts["mpc"] < 40
+    for _, part in frame.groupby("winch_controller.law"):
+        low, high = stats.t.interval(0.9, len(part) - 1, part["unit_sigma_m"].mean(), stats.sem(part["unit_sigma_m"]))
+        assert high - low <= 0.1 * part["unit_sigma_m"].mean()
+        assert sorted(part["seed"]) == list(range(1, len(part) + 1))
+    assert "at most 10 % of it wide in 2 of 2 combinations" in study.refinement.words(frame)
+    assert len(frame) <= Cases(study).size == 80
+
+
+def test_seeds_are_added_until_a_share_is_known_or_there_are_most(kind, monkeypatch):
+    """Wilson's interval of 40 of 40 is [0.937, 1]: wider than 0.01, narrower than 0.1."""
+    monkeypatch.setattr(cases, "run_task", scattered)
+    for width, least, most in ((0.1, 20, 39), (0.01, 40, 40)):
+        Path("own.yaml").write_text(UNTIL.replace("unit_sigma_m, width: 10 %", f"met, width: {width}"))
+        frame, _ = run_study(Cases(read_study(Path("own.yaml"))), processes=1)
+        assert all(least <= count <= most for count in frame.groupby("winch_controller.law").size())
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("until: {figure: sgima, width: 1}", "figure = 'sgima': must be a figure of merit, or met"),
+        ("until: {figure: met, width: 0 %}", "width = '0 %': must be above 0"),
+        ("until: {figure: met, width: 10 %, most: 1}", "most = 1: must be a number of seeds"),
+        (
+            "until: {figure: met, width: 1}\nsearch: {figure: met}\ndraw: {count: 9, choose: {all.seed: [1, 2]}}",
+            "until: is not for a search",
+        ),
+    ],
+)
+def test_what_is_wrong_with_a_width_is_one_line(kind, text, words):
+    Path("own.yaml").write_text(f"scenario: b2_calm_300\n{text}\n")
+    with pytest.raises(ParameterError, match=words):
+        read_study(Path("own.yaml"))
+
+
+def test_what_a_case_costs_is_its_own_cost_whether_it_was_screened_or_not(tmp_path):
+    cost = dict.fromkeys(PARTS, 0.0)
+    screened = {LIFTS: {"1": {COST: cost | {"start": 3.0}}, "2": {"flag": "slack"}}}
+    write_cost({-1: screened, 2: {COST: cost | {"sea": 1.0}}}, tmp_path)
+    assert pandas.read_csv(tmp_path / "cost.csv")[["case", "start", "sea"]].values.tolist() == [[1, 3, 0], [2, 0, 1]]
+    shown = {name: (seconds, share) for name, seconds, share in cost_rows(tmp_path)}
+    assert (shown["start"], shown["sea"], shown["all"]) == (("1.500", "75"), ("0.500", "25"), ("2.000", "100"))
+
+
+def test_the_page_has_title_question_criteria_units_and_what_a_case_costs(kind, capsys):
     Path("own.yaml").write_text("# Which law?\n" + TEXT.replace("mpc]", "lqg]").replace("[6.0, 7.0]", "[6.0]"))
-    assert main(["study", "own.yaml", "--processes", "1"]) == 0
+    assert main(["study", "own.yaml", "--processes", "1", "--json", "own.json"]) == 0
     page = Path("studies", "own", "page.html").read_text()
     for words in (
         "<h1>own</h1>",
@@ -352,8 +423,13 @@ def test_the_page_has_title_question_criteria_and_units(kind):
         "<h2>Criteria</h2>",
         "at most 50 cm",
         "seed=1 law=off sea.peak_period=6",
+        "What a case costs",
     ):
         assert words in page, words
+    assert "processor time [s]" in capsys.readouterr().out
+    costs = pandas.read_csv(Path("studies", "own", "cost.csv"))
+    assert (costs[["start", "sea", "plant", "winch", "controller", "adviser"]] > 0.0).all(axis=None)
+    assert set(json.loads(Path("own.json").read_text())["cost_s"]) == {*costs.columns[1:], "all"}
 
 
 def test_the_time_to_go_is_told_in_the_unit_of_a_person():

@@ -1,4 +1,4 @@
-"""What stands beside the figures of an answer: what the record lacks for it."""
+"""What stands beside the figures of an answer: their bands, against sums by hand, and what the record lacks for it."""
 
 import math
 from types import SimpleNamespace
@@ -8,7 +8,7 @@ import pytest
 from heave_bringup.errors import CommandError
 from heave_node.interface.codes import WinchLimit
 from heave_studies.whatif import fitness
-from heave_studies.whatif.answer import lost
+from heave_studies.whatif.answer import Figures, Spread, lost, with_bands
 from heave_studies.whatif.identify import USUAL, CableFit
 
 LIMITS_HIT = np.array([WinchLimit.FLOW, 0, WinchLimit.SPEED, WinchLimit.SPEED | WinchLimit.POWER | WinchLimit.PAYOUT])
@@ -87,3 +87,20 @@ def test_a_law_that_never_began_has_given_up_at_its_first_alarm():
     ):
         assert lost(SimpleNamespace(time=time, modes=modes, alarms=((2.0, alarm),))) == (lost_at, cause)
     assert lost(SimpleNamespace(time=time, modes=("standby",) * 3, alarms=())) == (0.0, "it never began")
+
+
+def test_motion_by_an_unknown_boom_tip_may_be_none() -> None:
+    # 5 mm, 3 mm of them added for what is not known of the tip: sqrt(25 - 9) = 4 mm without; 1 mm of 100 is 1 point
+    base = Figures({"unit_sigma_m": 0.005, "unit_efficiency": 0.95}, np.zeros(2), {}, np.inf, "")
+    certain = Spread(loops=[], plants=[], added=0.0, locked=0.0, model=0.0)
+    bands = with_bands(base, certain, 0.1, by_tip=0.003).bands
+    assert bands["unit_sigma_m"] == pytest.approx((0.004, 0.005))
+    assert bands["unit_efficiency"] == pytest.approx((0.95, 0.96))
+
+
+def test_what_cannot_be_below_zero_is_not_in_a_band() -> None:
+    # 0.3 m/s off in the one draw: half a band of 1.645 x 2.5 x 0.3 = 1.23 m/s
+    base = Figures({"unit_sigma_m": 0.1, "unit_efficiency": 0.5, "winch_speed_max_mps": 0.6}, np.zeros(2))
+    loops = [{"unit_sigma_m": 0.0, "unit_efficiency": 0.0, "winch_speed_max_mps": 0.3}]
+    bands = with_bands(base, Spread(loops=loops, plants=[], added=0.0, locked=0.0, model=0.0), 0.2).bands
+    assert bands["winch_speed_max_mps"] == pytest.approx((0.0, 0.6 + 1.23375))

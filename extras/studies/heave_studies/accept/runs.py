@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 import sys
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -46,15 +45,6 @@ _SENSORS: Mapping[str, Sensor] = {"mru": MRU, "depth": DEPTH, "load_cell": LOAD_
 _WINCH = topics.WINCH_STATE.name
 
 
-@dataclass(frozen=True)
-class RunDone:
-    """A run of a step."""
-
-    measured: Measured  # what it left
-    breaches: tuple[str, ...]  # what fails any run, in words
-    record: RunRecord  # of the run
-
-
 def scenario_of(procedure: Procedure, test: RunTest, event: Event | None, external: Sequence[str] = ()) -> Scenario:
     """Return the scenario of a step.
 
@@ -86,8 +76,10 @@ def is_real(event: Event, external: Sequence[str]) -> bool:
     return any(text.partition("=")[0] in simulated for text in external)
 
 
-def run_loop(scenario: Scenario, event: Event | None, folder: Path, external: Sequence[str]) -> RunDone:
-    """Run a scenario into a folder.
+def run_loop(
+    scenario: Scenario, event: Event | None, folder: Path, external: Sequence[str]
+) -> tuple[Measured, list[str]]:
+    """Run a scenario into a folder; return as `read_loop` does.
 
     Parameters
     ----------
@@ -114,8 +106,8 @@ def run_loop(scenario: Scenario, event: Event | None, folder: Path, external: Se
     return read_loop(run.bag, event, at)
 
 
-def read_loop(bag: Path, event: Event | None, at: float | None) -> RunDone:
-    """Return what the bag of a run holds.
+def read_loop(bag: Path, event: Event | None, at: float | None) -> tuple[Measured, list[str]]:
+    """Return what the bag of a run holds, and what fails any run, in words.
 
     Parameters
     ----------
@@ -128,7 +120,7 @@ def read_loop(bag: Path, event: Event | None, at: float | None) -> RunDone:
     if event is not None and at is not None:
         measured.event, measured.event_end = at, at + event.duration
     measured.notes += record.remarks()
-    return RunDone(measured, tuple(judge(record, moves_winch=False).breaches), record)
+    return measured, judge(record, moves_winch=False).breaches
 
 
 def alarms_of(record: RunRecord) -> list[tuple[float, str]]:
@@ -224,8 +216,7 @@ class ForeignRecord:
         Times of the step count from the start of the record.
         """
         if self._is_own:
-            done = read_loop(self.source, step.event, step.event.at if step.event else None)
-            measured = done.measured
+            measured, _ = read_loop(self.source, step.event, step.event.at if step.event else None)
             measured.start = max(measured.start, step.window[0])
             end = step.window[1] if math.isfinite(step.window[1]) else measured.end
             motions = (measured.run.payout, measured.run.boom_tip_heave, measured.run.unit_heave)

@@ -211,12 +211,10 @@ class Acceptance:
 
     def _in_a_run(self, step: Step, test: RunTest, folder: Path) -> StepResult:
         run = folder / step.slug
-        done = run_loop(self._loop(step, test), step.event, run, self._parts.external)
-        done.measured.nominal = self.nominal
+        measured, breaches = run_loop(self._loop(step, test), step.event, run, self._parts.external)
+        measured.nominal = self.nominal
         real = ", ".join(self._parts.external)
-        return _judged(
-            step, done.measured, run / "bag", f"run, real: {real}" if real else "run, all virtual", done.breaches
-        )
+        return _judged(step, measured, run / "bag", f"run, real: {real}" if real else "run, all virtual", breaches)
 
     def _loop(self, step: Step, test: RunTest) -> Scenario:
         return scenario_of(self.procedure, test, step.event, self._parts.external)

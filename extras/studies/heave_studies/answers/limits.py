@@ -72,6 +72,8 @@ def prepare(study: Study, ask: Ask, /) -> Study:
     _place(ask)
     if ask["within"] is None:
         return study
+    if study.refinement is not None:
+        raise ParameterError(f"{study.path}: until: a study whose limits are bisected has the seeds that it states")
     within = number_in(ask, "within")
     if not within > 0.0:
         raise ParameterError(f"ask: within = {within:g}: must be a width above 0 [m]")

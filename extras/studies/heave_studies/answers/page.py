@@ -12,6 +12,7 @@ from heave_bags.report.report import render_page, unbroken
 
 from heave_studies.answers.answer import Found
 from heave_studies.study.cases import screening_words
+from heave_studies.study.cost import HEAD, cost_rows
 from heave_studies.study.summary import case_table, remarks
 from heave_studies.study.table import LOST
 
@@ -42,9 +43,11 @@ def render(
     head += [table(["lift", ""], ([name, words] for name, words in lift.items()), texts=2)] if lift else []
     facts = table(["", ""], ([name, value] for name, value in about.items()), texts=2)
     whence = f"<details><summary>Where these numbers come from</summary>{facts}</details>"
+    cost = cost_rows(table_file.parent)
+    what = f"<details><summary>What a case costs</summary>{table(HEAD, cost, texts=1)}</details>" if cost else ""
     screened = screening_words(frame)
     note = [notice(html.escape(screened))] if screened else []
-    body = [*head, *_verdict(found), *note, *found.body, _cases(frame, table_file), whence]
+    body = [*head, *_verdict(found), *note, *found.body, _cases(frame, table_file), what, whence]
     return render_page(title, "\n".join(body), list(found.figures), footer=f"{found.footer} {FOOTER}".strip())
 
 

@@ -96,11 +96,12 @@ def execute(options: argparse.Namespace) -> None:
 def _run(options: argparse.Namespace) -> None:
     from heave_bags.report.paper import find_browser, save_pdf
     from heave_bringup.errors import CommandError, VerdictError
-    from heave_bringup.output import write_result
+    from heave_bringup.output import make_table, write_result
 
     from heave_studies.answers.page import render
     from heave_studies.kinds import Options, open_study
     from heave_studies.study.cases import screening_words
+    from heave_studies.study.cost import HEAD, cost_rows
     from heave_studies.study.engine import CSV, PAGE, PDF, TABLE, run_study
 
     for name in ("processes", "draws", "seeds"):
@@ -139,11 +140,13 @@ def _run(options: argparse.Namespace) -> None:
     names = (("table", TABLE), ("csv", CSV), ("page", PAGE), *([("pdf", PDF)] if options.pdf else []))
     files = {name: str(folder / file) for name, file in names}
     places = "\n".join(f"{name:<9} {path}" for name, path in files.items())
-    screened = screening_words(frame)
+    cost, screened = cost_rows(folder), screening_words(frame)
     result = {"study": opened.kind.name, **found.data, "judged": found.judged, **files}
     result["screening"] = screened
+    result["cost_s"] = {name: float(seconds) for name, seconds, _ in cost}
     repeat = [f"its scenario: heave study --case {folder / TABLE}:{found.worst}"] if found.worst else []
-    parts = [*found.parts, *repeat, *([screened] if screened else []), places]
+    parts = [*found.parts, *repeat, *([screened] if screened else [])]
+    parts += [*([make_table(HEAD, cost)] if cost else []), places]
     write_result(options, parts, result)
     if not found.judged:
         raise CommandError(f"nothing was judged in {len(frame)} cases{_why(frame)}")

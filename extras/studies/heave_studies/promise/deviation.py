@@ -164,8 +164,8 @@ GROUPS = {
 KINDS = ("scale", "scale", "freeze", "jump", "nan", "spike", "gap", "delay", "restart")
 """A scale error is drawn twice as often: no sample shows it."""
 
-LOST_KINDS, LARGEST_LOST = ("freeze", "nan", "gap", "restart"), 1.2
-"""Kinds that leave nothing to read, and the largest ratio where the winch has to stop."""
+LOST_KINDS = ("freeze", "nan", "gap", "restart")
+"""Kinds that leave nothing to read."""
 
 NOT_OF = {"encoder": ("gap", "delay", "restart"), "depth": ("restart",), "load_cell": ("restart",)}
 """Kinds that a sensor cannot have."""

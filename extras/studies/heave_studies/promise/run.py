@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -18,12 +18,10 @@ from heave_studies.promise.cases import DURATION, Case
 from heave_studies.promise.deviation import TROUBLE
 from heave_studies.promise.findings import DRUM, ENCODER, findings_of, warnings_of
 from heave_studies.promise.table import FACTOR
+from heave_studies.study.cost import JUDGE, LOOP, START, Meter
 
 ALARMED = 1.5
 """Ratio to off that is not reached without an alarm."""
-
-TICK = 0.05
-"""Tick period of all scenarios [s]."""
 
 MOVE_LAG = 0.35
 """Delay and time constant of the winch of all scenarios [s]."""
@@ -56,18 +54,17 @@ class Outcome:
     refused: tuple[str, ...] = ()  # what an operator asked for in vain
     failure: str = ""  # why the case could not be run; empty: it could
     alarms: tuple[tuple[float, str], ...] = field(default=())  # all of them, with their times [s]
-
-    @property
-    def is_judged(self) -> bool:
-        """Tell whether a minute at least was judged."""
-        return math.isfinite(self.worst)
+    cost: Mapping[str, float] = field(default_factory=dict)  # processor time by part [s]
 
 
 def run_case(case: Case, duration: float = DURATION) -> Outcome:
     """Run a case for a `duration` [s], and judge it."""
+    meter = Meter()
     try:
-        scenario = case.load(duration)
-        loop = ClosedLoop(loop_parameters(scenario))
+        with meter.of(START):
+            scenario = case.load(duration)
+            loop = ClosedLoop(loop_parameters(scenario))
+        meter.watch(loop)
         operator = Operator(loop, case.actions, scenario.run.tick_period)
         obstacles: list[str] = []
 
@@ -76,12 +73,14 @@ def run_case(case: Case, duration: float = DURATION) -> Outcome:
             if outputs.mode != "compensating" and tick % LOOK == 0:
                 obstacles.append(why_waiting(loop.controller))
 
-        record = loop.run(on_tick)
+        with meter.of(LOOP):
+            record = loop.run(on_tick)
     except Exception as error:  # one case that cannot be run must not end the others; it stands in the table
         return Outcome(failure=f"{type(error).__name__}: {' '.join(str(error).split())}")
     stiffness = scenario.parameters["cable_sim"].cable.axial_stiffness
-    found = judged(case, record, stiffness, next((words for words in reversed(obstacles) if words), ""))
-    return replace(found, refused=tuple(operator.refused))
+    with meter.of(JUDGE):
+        found = judged(case, record, stiffness, next((words for words in reversed(obstacles) if words), ""))
+    return replace(found, refused=tuple(operator.refused), cost=meter.seconds)
 
 
 def why_waiting(controller: Any) -> str:

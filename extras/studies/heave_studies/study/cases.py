@@ -18,6 +18,7 @@ from heave_node.parameters import ParameterError
 from heave_studies.batch.lifts import LiftBatch, NotCoveredError
 from heave_studies.study import sampling
 from heave_studies.study.case_file import ReadFile, read_files
+from heave_studies.study.cost import LIFTS, LOOP, START, Meter
 from heave_studies.study.engine import SETTLED
 from heave_studies.study.plan import Case, Study, unlinked
 from heave_studies.study.runs import Task, in_a_line, judge, make_tasks, result_of, run_task
@@ -135,10 +136,6 @@ def _figure(result: Plain, name: str) -> float:
     return value if math.isfinite(value) else -1.0
 
 
-LIFTS = "lifts"
-"""Key of the result of a screening: what each of its cases came to, by number, or why it belongs into the full loop."""
-
-
 def screening_jobs(tasks: Sequence[Task]) -> Iterator[Job]:
     """Yield a job for the `tasks` of each combination, its number that of the first one, below 0."""
     for _, of_one in groupby(tasks, key=lambda task: repr((task.case.is_nominal, task.case.settings))):
@@ -149,9 +146,14 @@ def screening_jobs(tasks: Sequence[Task]) -> Iterator[Job]:
 
 
 def screen(tasks: Sequence[Task]) -> Plain:
-    """Return what the cases of `tasks`, which differ by their seeds alone, come to where a screening covers them."""
-    batch = _batch_of(tasks[0])
-    lifts = {str(one.case.number): _screened(one, batch) for one in tasks}
+    """Return what the cases of `tasks`, which differ by their seeds alone, come to where a screening covers them.
+
+    What each came to, or why it belongs into the full loop, is there by number.
+    """
+    meters = [Meter() for _ in tasks]
+    with meters[0].of(START):
+        batch = _batch_of(tasks[0])
+    lifts = {str(one.case.number): _screened(one, batch, meter) for one, meter in zip(tasks, meters, strict=True)}
     return {LIFTS: lifts, SETTLED: sum(FAILURE in one for one in lifts.values())}
 
 
@@ -162,16 +164,17 @@ def _batch_of(task: Task) -> LiftBatch | str:
         return in_a_line(error)
 
 
-def _screened(task: Task, batch: LiftBatch | str) -> Plain:
+def _screened(task: Task, batch: LiftBatch | str, meter: Meter) -> Plain:
     if isinstance(batch, str):
         return {FLAG: batch}
     try:
-        flown = batch.fly(task.scenario.run.seed)
+        with meter.of(LOOP):
+            flown = batch.fly(task.scenario.run.seed)
     except NotCoveredError as error:
         return {FLAG: str(error)}
     if flown.flag:
         return {FLAG: flown.flag}
-    return {**judge(task, flown.record, flown.strain).to_plain(), "is_screened": True}
+    return {**judge(task, flown.record, flown.strain, meter).to_plain(), "is_screened": True}
 
 
 def screened_results(results: Mapping[int, Plain]) -> dict[int, Plain]:

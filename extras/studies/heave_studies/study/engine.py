@@ -17,6 +17,7 @@ from heave_bringup.progress import ProgressLine, time_to_go
 from heave_node.parameters import ParameterError
 
 from heave_studies.study.case_file import ReadFile, check_can_write, keep_files, read_cases, write_cases
+from heave_studies.study.cost import write_cost
 from heave_studies.study.workers import FAILURE, Job, Plain, Run, workers
 
 TABLE, CSV, PAGE, PDF, JOURNAL = "table.parquet", "table.csv", "page.html", "page.pdf", "journal.jsonl"
@@ -95,6 +96,7 @@ def run_study(
         results = dict(journal.results)
         with _saying_what_is_kept(journal, results), workers(processes, dask) as run:
             frame = _completed(kind, run, journal, results)
+        write_cost(results, folder)
         keep_files(kind.files.values(), folder)
         write_cases(frame, table, about)
         journal.remove()

@@ -24,6 +24,7 @@ from heave_node.parameters import ParameterError
 from heave_node.scenario import sections_text
 from numpy.typing import NDArray
 
+from heave_studies.study.cost import JUDGE, LOOP, START, Meter
 from heave_studies.study.plan import Case, Study
 
 BOUND = "kappa"
@@ -81,6 +82,7 @@ class CaseResult:
     # those of `missed` that fail any run, see `heave_bags.analyse.verdict.Verdict.breaches`
     breaches: tuple[str, ...] = ()
     minute: Minute = NO_MINUTE  # the worst minute that no alarm announced
+    cost: Mapping[str, float] = field(default_factory=dict)  # processor time by part [s]
     is_screened: bool = False  # it is of a batch of lifts under a fixed law, see `heave_studies.batch`
     flag: str = ""  # why no screening could have it, where one was asked for
 
@@ -129,14 +131,19 @@ def _scenario(study: Study, case: Case, loaded: dict[str, Scenario]) -> Scenario
 
 def run_task(task: Task) -> CaseResult:
     """Run the case of a `task`; one that cannot be run says why, and harms no other."""
+    meter = Meter()
     try:
-        loop = ClosedLoop(loop_parameters(task.scenario), has_adviser=task.has_adviser)
-        return judge(task, loop.run(), loop.plant.largest_strain)
+        with meter.of(START):
+            loop = ClosedLoop(loop_parameters(task.scenario), has_adviser=task.has_adviser)
+        meter.watch(loop)
+        with meter.of(LOOP):
+            record = loop.run()
+        return judge(task, record, loop.plant.largest_strain, meter)
     except Exception as error:  # one case that cannot be run must not end the others; it is named in the table
         return CaseResult(task.case, failure=in_a_line(error))
 
 
-def judge(task: Task, record: LoopRecord, strain: float) -> CaseResult:
+def judge(task: Task, record: LoopRecord, strain: float, meter: Meter) -> CaseResult:
     """Return what the case of a `task` came to.
 
     Parameters
@@ -144,18 +151,20 @@ def judge(task: Task, record: LoopRecord, strain: float) -> CaseResult:
     task : that was run
     record : of its run
     strain : largest of the cable [-]
+    meter : of its cost
     """
     case, scenario, parameters = task.case, task.scenario, loop_parameters(task.scenario)
-    signals = run_signals(record, parameters)
-    _add_bounds(signals, record, scenario)
-    kpis = kpi_set.evaluate_run(signals, scenario.run.transient, scenario.run.duration)
-    minute = silent_minute(record, signals, scenario.run.transient)
+    with meter.of(JUDGE):
+        signals = run_signals(record, parameters)
+        _add_bounds(signals, record, scenario)
+        kpis = kpi_set.evaluate_run(signals, scenario.run.transient, scenario.run.duration)
+        minute = silent_minute(record, signals, scenario.run.transient)
     share = _compensating(record, scenario)
     judged = tuple(Judged(criterion, kpis[criterion.kpi]) for criterion in scenario.wanted)
     modes = _time_in_modes(record, scenario)
     verdict = Verdict(judged, (), modes, share, strain=strain, loads=signals.load_checks())
     reason, (failures, breaches) = lost_because(record, scenario, kpis), (verdict.failures, verdict.breaches)
-    return CaseResult(case, kpis, "", share, reason, tuple(failures), tuple(breaches), minute)
+    return CaseResult(case, kpis, "", share, reason, tuple(failures), tuple(breaches), minute, meter.seconds)
 
 
 def in_a_line(error: Exception) -> str:

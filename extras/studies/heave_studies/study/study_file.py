@@ -24,6 +24,7 @@ A study is a YAML file:
       log_uniform: {cable_sim.unit.mass: [1.0e4, 1.0e5]}
       choose: {winch_controller.law: [off, lqg, mpc]}
       # a place that ends in [] takes the value as the one entry of a list: wave_vessel.mru.faults.start[]: [60, 200]
+    until: {figure: unit_sigma_m, width: 10 %, most: 64}  # more seeds, until the mean's 90 % interval is so narrow
     search: {figure: silent_minute, runs: 480, at_most: 1.05}      # from these draws on, for the worst case
     phases: [{name: landing, depth: [1490, 1500], speed: 0.2}]     # of a lift, see `heave_studies.study.phases`
     ask: {answer: limits, record: seas.csv}       # what is made of the cases, see `heave_studies.answers`
@@ -47,6 +48,8 @@ from heave_node.files.file_kinds import PARAMETERS_KEY, refuse_other_kind
 from heave_node.files.given_files import as_mapping, find_stated, read_stated, refuse_keys, scenario_of
 from heave_node.parameters import ParameterError
 
+from heave_studies.study.enough import KEYS as UNTIL_KEYS
+from heave_studies.study.enough import read_until
 from heave_studies.study.phases import read_phases
 from heave_studies.study.plan import BASE, Link, Search, Study
 from heave_studies.study.sampling import Draws
@@ -67,6 +70,7 @@ KEYS = {
     "phases",
     "draw",
     "search",
+    "until",
     "ask",
 }
 _DRAW_KEYS = {"count", "seed", "method", "nominal", "uniform", "log_uniform", "choose"}
@@ -90,7 +94,7 @@ def read_study(path: Path) -> Study:
             refuse_keys(found, known, f"{path}: {name}")
         return found
 
-    draw, search = part("draw", _DRAW_KEYS), part("search", _SEARCH_KEYS)
+    draw, search, until = part("draw", _DRAW_KEYS), part("search", _SEARCH_KEYS), part("until", UNTIL_KEYS)
     try:
         study = Study(
             path=path,
@@ -107,10 +111,13 @@ def read_study(path: Path) -> Study:
             has_adviser=bool(content.get("adviser", True)),
             has_screening=bool(content.get("screening", False)),
             search=_search(search) if search else None,
+            refinement=read_until(until, f"{path}: until") if until else None,
             ask=dict(part("ask")),
         )
         if study.search is not None and (study.draws is None or study.vary):
             raise ValueError("search: needs a draw, whose space it searches, and no vary")
+        if study.search is not None and study.refinement is not None:
+            raise ValueError("until: is not for a search")
     except (TypeError, ValueError) as error:
         raise error if isinstance(error, ParameterError) else ParameterError(f"{path}: {error}") from error
     return study
