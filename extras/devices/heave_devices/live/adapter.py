@@ -20,8 +20,7 @@ from heave_devices.live.counted_time import CountedTime, DeviceClock
 from heave_devices.live.drum_count import DrumCount
 from heave_devices.live.link_watch import LinkWatch
 from heave_devices.live.taker import Recent, Taken, Taker
-from heave_devices.live.tip_motion import TipMotion
-from heave_devices.live.without_steps import WithoutSteps
+from heave_devices.live.tip_motion import TipMotion, WithoutSteps
 from heave_devices.maps.device_map import DeviceMap
 
 _COUNT_BEGAN = 10**18
@@ -50,11 +49,7 @@ class WinchReading(NamedTuple):
 
 
 class Adapter:
-    """One device: samples or messages in, readings out.
-
-    Parameters
-    ----------
-    device : the map
+    """One device by its map, `device`: samples or messages in, readings out.
 
     Attributes
     ----------
@@ -144,7 +139,7 @@ class Adapter:
         """
         if self.device.clock == "own" and own is not None:
             return own, own * 1e-9
-        rate = self.device.record.sample_rate
+        rate = self.device.sample_rate
         if not (kind and rate):
             return NO_STAMP, now
         time = self._counted.setdefault(kind, CountedTime(rate)).time(now)
