@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 from heave_devices.live.tip_motion import GLIDE, TipMotion, WithoutSteps
+from scipy.spatial.transform import Rotation
 
 ARM = (20.0, -8.0, 15.0)
 NAN = (math.nan, math.nan)
@@ -16,10 +17,7 @@ def attitude(t):
 
 def raised(t):
     """Return how much higher than at rest the tip is: R_y(pitch) R_x(roll) arm, its third component."""
-    roll, pitch = attitude(t)
-    x_turn = np.array([[1, 0, 0], [0, math.cos(roll), -math.sin(roll)], [0, math.sin(roll), math.cos(roll)]])
-    y_turn = np.array([[math.cos(pitch), 0, math.sin(pitch)], [0, 1, 0], [-math.sin(pitch), 0, math.cos(pitch)]])
-    return float((y_turn @ x_turn @ np.array(ARM))[2]) - ARM[2]
+    return float(Rotation.from_euler("xy", attitude(t)).apply(ARM)[2]) - ARM[2]
 
 
 def rate_of(function, t, h=1e-5):
