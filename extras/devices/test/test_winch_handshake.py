@@ -108,9 +108,9 @@ def test_a_command_that_is_not_fresh_does_not_feed_the_watchdog(sequence):
 @pytest.mark.parametrize(("silence", "is_taken"), [(0.6, True), (0.4, False)])
 def test_a_braked_winch_hears_a_restarted_controller_after_the_timeout_and_no_command_that_came_late(silence, is_taken):
     winch = WinchHandshake(0.5)
-    winch.take(0.0, order(1800, brake=True), 0.0)
-    winch.take(silence, order(1, brake=True), 0.0)
-    winch.take(silence + 0.05, order(2, 0.1), 0.0)
+    winch.take(10.0, order(1800, brake=True), 0.0)
+    winch.take(10.0 + silence, order(1, brake=True), 0.0)
+    winch.take(10.05 + silence, order(2, 0.1), 0.0)
     assert (winch.is_released, winch.refused) == (is_taken, 0 if is_taken else 2)
 
 

@@ -17,9 +17,7 @@ _WRONG = (ValueError, LookupError, TypeError, AttributeError, OverflowError)
 class NmeaDecoder(LineDecoder):
     """Reads sentences of a serial line, of datagrams or of a log, in which other text may stand before each.
 
-    Parameters
-    ----------
-    needs_checksum : a sentence without one is refused; sentences that never have one are taken all the same
+    With `needs_checksum` a sentence without one is refused; sentences that never have one are taken all the same.
     """
 
     def __init__(self, *, needs_checksum: bool = True) -> None:

@@ -22,6 +22,7 @@ from heave_devices.live.link_watch import LinkWatch
 from heave_devices.live.taker import Recent, Taken, Taker
 from heave_devices.live.tip_motion import TipMotion, WithoutSteps
 from heave_devices.maps.device_map import DeviceMap
+from heave_devices.maps.quantities import OUTPUTS
 
 _COUNT_BEGAN = 10**18
 """Stamp of a time of 0 s by a count or counter [ns]: far from any simulated time, and taken for an own one."""
@@ -32,7 +33,6 @@ LATE = -1
 NO_STAMP = 0
 """Stamp of a reading whose time of arrival counts."""
 WINCH_STATE = "winch/state"
-_BESIDE_HEAVE = ("heave_rate", "heave_acceleration", "roll", "pitch", "roll_rate", "pitch_rate")
 _PLAIN = {sensors.DEPTH.topic.name: "pressure", sensors.LOAD_CELL.topic.name: "tension"}
 """Topics with one number, and the quantity that it is."""
 
@@ -72,10 +72,10 @@ class Adapter:
         self.newest: dict[str, float] = {}
         self.published = dict.fromkeys(device.outputs, 0)
         self._tip = TipMotion(device.lever_arm)
-        self._attitude = Recent(_BESIDE_HEAVE, device.timeout)
+        self._attitude = Recent(OUTPUTS[sensors.MRU.topic.name][1], device.timeout)
         self._sequence = 0
         self._crane = Recent(POSE_FIELDS, device.timeout)
-        self._time = DeviceTime(device.counter_wrap) if "device_time" in device.channels else DeviceTime()
+        self._time = DeviceTime(device.counter_wrap)
         self.clocks: dict[str, DeviceClock] = {}
         self._clock = DeviceClock()
         self._began: int | None = None
@@ -83,7 +83,7 @@ class Adapter:
         self.speed_travel = SpeedTravel()
         self._counted: dict[str, CountedTime] = {}
         self._payout = RecentMotion()
-        self._beside = Recent(("payout_rate", "tension", "brake", "fault"))
+        self._beside = Recent(OUTPUTS[WINCH_STATE][1])
         self._count = math.nan
         self.is_counting = True
 

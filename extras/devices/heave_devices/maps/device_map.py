@@ -17,6 +17,7 @@ from heave_node.files.given_files import read_given
 from heave_node.tick.clock_rule import LARGEST_LATENCY
 
 from heave_devices.formats.datagram import DATAGRAM, DatagramDecoder, Layout
+from heave_devices.formats.device_time import COUNTER_WRAP
 from heave_devices.formats.nmea import NmeaDecoder
 from heave_devices.formats.nmea_sentences import UNSIGNED
 from heave_devices.formats.number_kinds import split_bit, wrap_of
@@ -38,7 +39,7 @@ from heave_devices.maps.channel import (
 from heave_devices.maps.command_map import CommandMap, read_command, read_layout
 from heave_devices.maps.field_path import FieldPath
 from heave_devices.maps.link import Link, read_link
-from heave_devices.maps.quantities import NED_WAYS, QUANTITIES, outputs_of
+from heave_devices.maps.quantities import NED_WAYS, OUTPUTS, QUANTITIES
 
 CLOCKS = ("receipt", "own")
 FRAMES = ("ENU", "NED")
@@ -76,7 +77,7 @@ class DeviceMap:
     @property
     def outputs(self) -> tuple[str, ...]:
         """Topics of the suite that it publishes."""
-        return outputs_of(self.channels)
+        return tuple(topic for topic, (needed, _) in OUTPUTS.items() if not self.channels.keys().isdisjoint(needed))
 
     @property
     def topics(self) -> dict[str, str]:
@@ -85,8 +86,10 @@ class DeviceMap:
 
     @property
     def counter_wrap(self) -> float:
-        """Time after which the counter of `device_time` begins again [s]; infinity: never."""
-        channel = self.channels["device_time"]
+        """Time after which its counter, that of `device_time` where it has one, begins again [s]; infinity: never."""
+        channel = self.channels.get("device_time")
+        if channel is None:
+            return COUNTER_WRAP
         kind = self.kind_of(channel.field)
         return wrap_of(kind) * channel.factor("device_time") if kind else math.inf
 

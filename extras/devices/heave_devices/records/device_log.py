@@ -69,7 +69,7 @@ def device_signals(source: Path, device: DeviceMap, wanted: Sequence[str], findi
 def _read(data: bytes, device: DeviceMap, decoder: Decoder) -> _Record:
     """Read a whole log."""
     record = _Record()
-    clock = DeviceTime(device.counter_wrap) if "device_time" in device.channels else DeviceTime()
+    clock = DeviceTime(device.counter_wrap)
     is_text = device.format == LINE or (device.layout is None and FORMATS[device.format].is_text)
     size = _PIECE if device.layout is None else device.layout.size
     pieces = data.splitlines() if is_text else [data[at : at + size] for at in range(0, len(data), size)]
