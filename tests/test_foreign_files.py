@@ -10,8 +10,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 from heave_bags.errors import BagError
+from heave_devices.maps.channel import Channel
+from heave_devices.maps.device_map import DeviceMap
 from heave_devices.records.sea_import import import_sea
-from heave_devices.records.sea_mapping import Channel, SeaMapping
 from wave_vessel_node.sea.spectrum_files import SpectrumFileError, read_spectra
 from wave_vessel_node.vessel.rao import RaoError
 from wave_vessel_node.vessel.rao_files import read_rao
@@ -109,7 +110,7 @@ def test_a_table_in_other_units_is_refused(name, says):
     ],
 )
 def test_logs_of_motion_units_give_the_motion_they_hold(name, column, duration, says):
-    sea = import_sea(found(f"mru_logs/{name}"), SeaMapping({"heave": Channel(column=column)}))
+    sea = import_sea(found(f"mru_logs/{name}"), DeviceMap({"heave": Channel(column=column)}))
     assert sea.time[-1] == pytest.approx(duration, abs=0.2)
     assert 4.0 * sea.position[:, 2].std() == pytest.approx(2.953, rel=0.02)
     assert any(says in note for note in sea.notes)
@@ -117,4 +118,4 @@ def test_logs_of_motion_units_give_the_motion_they_hold(name, column, duration, 
 
 def test_a_log_in_centimetres_is_refused():
     with pytest.raises(BagError, match="heave_cm is in cm by its heading"):
-        import_sea(found("mru_logs/cm.csv"), SeaMapping({"heave": Channel(column="heave_cm")}))
+        import_sea(found("mru_logs/cm.csv"), DeviceMap({"heave": Channel(column="heave_cm")}))

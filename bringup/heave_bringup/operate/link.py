@@ -32,12 +32,12 @@ from heave_bringup.operate.requests import (
     NODE_OF_DEVICE,
     Answer,
     Request,
+    Task,
     refusal,
     request_fault,
     request_mode,
 )
 from heave_bringup.operate.situation import ControllerStatus, Figures, RunStatus, Situation, WinchStatus
-from heave_bringup.operate.tasks import Task
 
 MEETING_TIME = 6.0
 """Wall time in which a service of a run that was found must show itself [s]."""

@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol
 
 from heave_msgs.srv import InjectFault, Redesign, SaveSnapshot, SetMode, StepSimulation
 from heave_node.interface import topics
@@ -22,6 +22,16 @@ class Answer:
 
     text: str  # what was done, or why it was not
     is_refused: bool = False  # it was not done
+
+
+class Task(Protocol):
+    """Something that an operator requested."""
+
+    def poll(self) -> Answer | None:
+        """Return the answer; None while there is none yet."""
+
+    def cancel(self) -> None:
+        """Let go: what was only asked for goes on, what needs the operator ends smoothly."""
 
 
 def refusal(text: str) -> Answer:

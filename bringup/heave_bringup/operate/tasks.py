@@ -9,10 +9,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING
 
 from heave_bringup.operate.requests import (
     Answer,
+    Task,
     refusal,
     request_fault,
     request_mode,
@@ -34,16 +35,6 @@ PRESS_TIME = 1.0
 """Wall time after which an emergency stop that the controller has not answered goes to the winch itself [s]."""
 AT_REST = 0.01
 """Speed of a drum at rest, as its encoder reads it [m/s]."""
-
-
-class Task(Protocol):
-    """Something that an operator requested."""
-
-    def poll(self) -> Answer | None:
-        """Return the answer; None while there is none yet."""
-
-    def cancel(self) -> None:
-        """Let go: what was only asked for goes on, what needs the operator ends smoothly."""
 
 
 class AnyOf:

@@ -3,7 +3,6 @@
 import math
 import os
 import pty
-import time
 import tty
 from types import SimpleNamespace
 
@@ -27,6 +26,7 @@ from rclpy.serialization import deserialize_message
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import JointState
 
+from extras.devices.test.test_adapt_links import wait_until
 from tests.adapt_fakes import Node
 from tests.plc import free_port
 
@@ -345,13 +345,6 @@ def test_a_silence_is_put_down_to_what_comes_now_and_not_to_what_came_once(data,
     if data:
         device._on_bytes(data, True)
     assert words in stale_words(device, clock.now, before)
-
-
-def wait_until(condition):
-    deadline = time.monotonic() + 20.0
-    while not condition():
-        assert time.monotonic() < deadline
-        time.sleep(0.01)
 
 
 def test_a_field_that_the_command_does_not_have_is_refused_at_the_start():

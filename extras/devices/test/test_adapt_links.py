@@ -13,6 +13,8 @@ from heave_bringup.errors import CommandError
 from heave_devices.adapt.links import LinkReader
 from heave_devices.maps.link import Link
 
+from tests.plc import free_port
+
 
 class Heard:
     def __init__(self):
@@ -23,10 +25,14 @@ class Heard:
         self.is_whole.append(is_whole)
 
     def wait_for(self, wanted):
-        deadline = time.monotonic() + 20.0
-        while wanted not in self.data:
-            assert time.monotonic() < deadline, self.data
-            time.sleep(0.01)
+        wait_until(lambda: wanted in self.data)
+
+
+def wait_until(condition):
+    deadline = time.monotonic() + 20.0
+    while not condition():
+        assert time.monotonic() < deadline
+        time.sleep(0.01)
 
 
 @pytest.fixture
@@ -63,7 +69,7 @@ def test_a_datagram_is_whole_and_is_answered_where_it_came_from(reader_of):
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as device:
         device.bind(("127.0.0.1", 0))
         device.settimeout(10.0)
-        port = free_port(socket.SOCK_DGRAM)
+        port = free_port("udp")
         reader, heard = reader_of(Link("udp", "127.0.0.1", port))
         device.sendto(b"one", ("127.0.0.1", port))
         heard.wait_for(b"one")
@@ -82,7 +88,7 @@ def test_what_cannot_be_processed_ends_no_thread_and_is_named_once():
             raise OverflowError("cannot convert float infinity to integer")
 
     heard = Heard()
-    port = free_port(socket.SOCK_DGRAM)
+    port = free_port("udp")
     reader = LinkReader(Link("udp", "127.0.0.1", port), process)
     reader.start()
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as device:
@@ -101,7 +107,7 @@ def test_what_cannot_be_processed_ends_no_thread_and_is_named_once():
 
 def test_a_map_may_name_the_one_sender_that_is_heard(reader_of):
     """127.0.0.2 is another host as far as its address says."""
-    port = free_port(socket.SOCK_DGRAM)
+    port = free_port("udp")
     reader, heard = reader_of(Link("udp", "127.0.0.1", port, sender="127.0.0.2"))
     with ExitStack() as stack:
         stranger, device = (stack.enter_context(socket.socket(socket.AF_INET, socket.SOCK_DGRAM)) for _ in range(2))
@@ -114,7 +120,7 @@ def test_a_map_may_name_the_one_sender_that_is_heard(reader_of):
 
 
 def test_a_second_sender_is_counted_where_the_map_names_none(reader_of):
-    port = free_port(socket.SOCK_DGRAM)
+    port = free_port("udp")
     reader, heard = reader_of(Link("udp", "127.0.0.1", port))
     with ExitStack() as stack:
         first, second = (stack.enter_context(socket.socket(socket.AF_INET, socket.SOCK_DGRAM)) for _ in range(2))
@@ -127,19 +133,10 @@ def test_a_second_sender_is_counted_where_the_map_names_none(reader_of):
     assert reader.strangers == 1
 
 
-def free_port(kind):
-    with socket.socket(socket.AF_INET, kind) as probe:
-        probe.bind(("127.0.0.1", 0))
-        return probe.getsockname()[1]
-
-
 def test_a_tcp_device_may_come_late_leave_and_come_again(reader_of):
-    port = free_port(socket.SOCK_STREAM)
+    port = free_port("tcp")
     reader, heard = reader_of(Link("tcp", "127.0.0.1", port))
-    deadline = time.monotonic() + 10.0
-    while not reader.problem:
-        assert time.monotonic() < deadline
-        time.sleep(0.01)
+    wait_until(lambda: reader.problem)
     with socket.create_server(("127.0.0.1", port)) as server:
         server.settimeout(20.0)
         for text in (b"first", b"second"):
@@ -183,10 +180,7 @@ def test_a_serial_port_that_is_pulled_is_told_in_one_sentence(reader_of, monkeyp
     tty.setraw(slave)
     monkeypatch.setattr(serial.Serial, "read", pulled)
     reader, _ = reader_of(Link("serial", os.ttyname(slave), 9600))
-    deadline = time.monotonic() + 20.0
-    while not reader.problem:
-        assert time.monotonic() < deadline
-        time.sleep(0.01)
+    wait_until(lambda: reader.problem)
     assert reader.problem.startswith("the port is gone: its cable was pulled")
     os.close(master)
     os.close(slave)

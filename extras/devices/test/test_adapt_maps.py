@@ -172,17 +172,6 @@ def test_messages_of_the_published_definition_become_readings(name):
     assert bool(bad) == (name in ("sbg_ship_motion", "novatel_inspva"))
 
 
-@pytest.mark.parametrize(("given", "sign"), [({}, 1.0), ({"positive": "up"}, -1.0)])
-@pytest.mark.parametrize("frame", [{}, {"frame": "ENU"}, {"frame": "NED"}])
-def test_ship_motion_of_sbg_is_positive_down_whatever_the_frame_unless_the_map_says_so(given, sign, frame):
-    """message_wrapper.cpp turns the attitude into ENU, and no ship motion."""
-    entry = {"topic": "/sbg/ship_motion", "type": "sbg_driver/msg/SbgShipMotion", "field": "ship_motion.z", **given}
-    adapter = Adapter(device_map_of("m", {"heave": entry, **frame}))
-    motion = made("sbg_driver/msg/SbgShipMotion", 1.0, ship_motion__z=-0.85)
-    ((_, reading),) = adapter.on_message("/sbg/ship_motion", motion, 10**9, 0.0)
-    assert mru_reading(reading).heave == pytest.approx(sign * 0.85)
-
-
 def test_nothing_that_is_called_invalid_reaches_height_and_period_of_a_bag(tmp_path):
     """99 m with heave_valid: false would make a significant height of tens of metres."""
     path = tmp_path / "bag"
@@ -216,6 +205,10 @@ def test_ship_motion_of_sbg_is_positive_down_in_either_frame_of_its_driver(frame
     mru = mru_reading(reading)
     assert (mru.heave, mru.heave_rate, mru.heave_acceleration) == pytest.approx((0.3, 0.2, 0.1))
     assert (mru.roll, mru.pitch) == pytest.approx((0.1, 0.02))
+    entry = {"topic": "/sbg/ship_motion", "type": "sbg_driver/msg/SbgShipMotion", "field": "ship_motion.z"}
+    own = Adapter(device_map_of("m", {"heave": {**entry, "positive": "up"}, "frame": frame}))
+    ((_, reading),) = own.on_message("/sbg/ship_motion", message, 10**9, 0.0)
+    assert mru_reading(reading).heave == pytest.approx(-0.3), "what the map says itself goes before the type"
 
 
 def test_a_vertical_velocity_of_an_odometry_in_a_bag_is_turned_into_the_world(tmp_path):
@@ -233,18 +226,6 @@ def test_a_vertical_velocity_of_an_odometry_in_a_bag_is_turned_into_the_world(tm
     truth = np.array([heave(sea.start + t) for t in sea.time])
     inside = slice(800, -800)
     assert np.abs(sea.position[inside, 2] - (truth - truth.mean())[inside]).max() < 0.05 * AMPLITUDE
-
-
-@pytest.mark.parametrize(("name", "scale"), [("ros2_control_velocity", 0.5), ("ros2_control_position", 0.5)])
-def test_joint_states_become_a_winch(name, scale):
-    adapter = Adapter(find_map(name))
-    state = SimpleNamespace(name=["slew", "drum"], position=[1.0, 8.0], velocity=[0.0, 0.4])
-    ((topic, first),) = adapter.on_message("/joint_states", state, 10**9, 0.0)
-    state.position[1] = 10.0
-    ((_, second),) = adapter.on_message("/joint_states", state, 2 * 10**9, 0.0)
-    assert topic == "winch/state"
-    assert second.payout - first.payout == pytest.approx(scale * 2.0)
-    assert second.payout_rate == pytest.approx(scale * 0.4)
 
 
 def test_joint_states_become_the_pose_of_a_crane():

@@ -123,15 +123,6 @@ def test_messages_of_two_topics_make_one_reading():
     assert np.max(np.abs(error)) < 0.07
 
 
-def test_utc_of_the_day_is_a_stamp_of_its_own():
-    content = {"format": "nmea", "clock": "own", "heave": {"field": "PASHR.heave", "positive": "down"}}
-    adapter = Adapter(device_map_of("m", content))
-    sample = Sample("PASHR", {"heave": 0.5}, time=59_429.0, time_base=TimeBase.DAY)
-    ((_, reading),) = adapter.on_samples([sample], 3.0)
-    assert reading.stamp == 59_429_000_000_000
-    assert reading.numbers[0] == -0.5
-
-
 def test_sentences_without_a_time_are_stamped_by_their_stated_rate_and_not_by_a_late_arrival():
     arrivals = [5.0, 5.1, 5.36, 5.36, 5.4]  # the third was handed over 0.16 s late, together with the fourth
     by_rate = {"clock": "receipt", "sample_rate": 10, "format": "nmea", "heave": "PSXN23.heave"}

@@ -4,8 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from heave_devices.crane.alarms import ALARMS
-from heave_devices.crane.pose_watch import WELL_AFTER, PoseWatch
+from heave_devices.crane.pose_watch import ALARMS, WELL_AFTER, PoseWatch
 from heave_devices.crane.tip_carry import TipCarry
 from heave_node.crane.pose import CranePose
 from heave_node.interface.faults import FaultParameters

@@ -1,8 +1,6 @@
 """Raw logs of motion sensors, by the maps that read them live; the truth is the sine that each log was written from."""
 
-import functools
 import math
-import operator
 import struct
 from datetime import datetime, timedelta, timezone
 
@@ -11,6 +9,9 @@ import pytest
 from heave_bags.errors import BagError
 from heave_devices.records.sea_import import import_sea
 from heave_devices.records.sea_mapping import read_mapping
+
+from extras.devices.test import test_nmea
+from extras.devices.test.test_kongsberg import km_binary
 
 OMEGA, AMPLITUDE, STEP = 2.0 * math.pi / 9.0, 0.6, 0.1
 BEGUN = datetime(2025, 3, 1, 23, 58, tzinfo=timezone.utc)
@@ -22,7 +23,7 @@ def up(t):
 
 
 def sealed(body):
-    return f"${body}*{functools.reduce(operator.xor, body.encode(), 0):02X}"
+    return test_nmea.sealed(body).decode().strip()
 
 
 def psxn(t):
@@ -61,12 +62,33 @@ def assert_is_the_sine(sea, duration=230.0):
     assert np.abs(heave - (truth - truth.mean())).max() < 0.01
 
 
+def kmb(t):
+    seconds, nanoseconds = divmod(round((BEGUN.timestamp() + t) * 1e9), 10**9)
+    return km_binary(-up(t), seconds=seconds, nanoseconds=nanoseconds)
+
+
 PSXN = "format: nmea\nheave: PSXN23.heave\n"
+# what is written for each time, between what, the map, and a part of a note
+LOGS = {
+    "a stamp before each": (lambda t: f"{(BEGUN + timedelta(seconds=t)).isoformat()} {psxn(t)}", "\n", PSXN, ""),
+    "UTC of the day over midnight": (
+        pashr,
+        "\n",
+        "format: nmea\nclock: own\nheave: {field: PASHR.heave, positive: down}\n",
+        "",
+    ),
+    # 99 m in half a second of thirty: with them the significant height would be tens of metres
+    "called invalid": (phoct, "\n", "format: nmea\nclock: own\nheave: PHOCT.heave\n", "that the device calls invalid"),
+    "binary": (kmb, b"", "format: km_binary\nclock: own\nheave: KMB.heave\n", ""),
+}
 
 
-def test_a_stamp_before_each_sentence_is_its_time(tmp_path):
-    lines = [f"{(BEGUN + timedelta(seconds=t)).isoformat()} {psxn(t)}" for t in TIMES]
-    assert_is_the_sine(imported(tmp_path, "\n".join(lines), PSXN, "mru.log"))
+@pytest.mark.parametrize("kind", LOGS)
+def test_a_log_is_read_by_the_map_of_its_device(kind, tmp_path):
+    line, between, mapping, note = LOGS[kind]
+    sea = imported(tmp_path, between.join(map(line, TIMES)), mapping, "mru.log")
+    assert_is_the_sine(sea)
+    assert any(note in said for said in [*sea.notes, ""])
 
 
 def test_sentences_without_a_time_have_that_of_zda_between_them(tmp_path):
@@ -75,18 +97,6 @@ def test_sentences_without_a_time_have_that_of_zda_between_them(tmp_path):
     assert "time: by 240 sentences ZDA, evenly between them" in sea.notes
     heave = sea.position[:, 2]
     assert np.abs(heave).max() == pytest.approx(AMPLITUDE, rel=0.03)
-
-
-def test_utc_of_the_day_in_each_sentence_goes_past_midnight(tmp_path):
-    mapping = "format: nmea\nclock: own\nheave: {field: PASHR.heave, positive: down}\n"
-    assert_is_the_sine(imported(tmp_path, "\n".join(map(pashr, TIMES)), mapping))
-
-
-def test_heave_that_the_device_calls_invalid_is_never_used(tmp_path):
-    """99 m in half a second of thirty: with them the significant height would be tens of metres."""
-    sea = imported(tmp_path, "\n".join(map(phoct, TIMES)), "format: nmea\nclock: own\nheave: PHOCT.heave\n")
-    assert_is_the_sine(sea)
-    assert any("samples that the device calls invalid left out" in note for note in sea.notes)
 
 
 def test_tss1_has_no_time_and_a_map_says_how_often_it_comes(tmp_path):
@@ -99,17 +109,6 @@ def test_tss1_has_no_time_and_a_map_says_how_often_it_comes(tmp_path):
         imported(tmp_path, text, "format: tss1\nheave: TSS1.heave\n")
     sea = imported(tmp_path, text, "format: tss1\nheave: TSS1.heave\nsample_rate: 10\n", "mru.tss")
     assert np.abs(sea.position[:, 2]).max() == pytest.approx(AMPLITUDE, abs=0.02)
-
-
-def test_a_binary_log_of_km_binary_is_read(tmp_path):
-    def frame(t):
-        at = round((BEGUN.timestamp() + t) * 1e9)
-        words = struct.pack("<4sHHIII", b"#KMB", 132, 1, at // 10**9, at % 10**9, 0)
-        numbers = [0.0, 1.0, 1.0, 90.0, -up(t), *[0.0] * 16]
-        return words + struct.pack("<dd", 59.0, 10.0) + struct.pack("<21f", *numbers) + struct.pack("<IIf", 0, 0, 0.0)
-
-    mapping = "format: km_binary\nclock: own\nheave: KMB.heave\n"
-    assert_is_the_sine(imported(tmp_path, b"".join(map(frame, TIMES)), mapping, "mru.bin"))
 
 
 def test_what_is_wrong_in_a_log_is_said(tmp_path):

@@ -37,6 +37,7 @@ def test_units_signs_and_the_frame_make_one_factor():
 
 
 LINE = {"format": "line", "source": {"udp": 1}, "pattern": "(?P<x>.)"}
+SIDED = {"format": "line", "pattern": "(?P<s>.)(?P<x>.)"}
 TOPIC = {"topic": "/t", "type": "a/msg/B", "field": "x"}
 REFUSED = [
     ([], "is no map"),
@@ -67,8 +68,19 @@ REFUSED = [
     ({"heave": {**TOPIC, "field": "a..b"}}, "heave: 'a..b' is no path"),
     ({"heave": {**TOPIC, "column": "c"}}, "needs either a topic or a column"),
     ({"heave": {**TOPIC, "valid_values": [1]}}, "valid_values needs valid"),
+    ({"heave": {"column": "heave", "invalid_bits": 4}}, "invalid_bits needs valid"),
+    ({"heave": {"column": "heave", "valid": "s", "invalid_bits": "four"}}, "must be a whole number"),
+    ({"heave": {"topic": "/a", "part": "rool"}}, "part must be one of roll, pitch, yaw"),
+    ({"heave": {"topik": "/a"}}, "unknown entry topik; did you mean topic?"),
+    ("just a text", "is no map"),
+    ({"heave": {"column": "z"}, "time_column": [1]}, "must be a heading, or a list of headings"),
+    ({"heave": {"column": "z"}, "rate": 0.0}, "rate must be above 0"),
     ({"heave": {**TOPIC, "acceleration": True}}, "of an acceleration alone no live heave"),
     ({"heave": {**TOPIC, "high_pass": 5}}, "high_pass = 5 must be from 20"),
+    ({"heave": {"topic": "/o", "field": "height", "turned_by": "q"}}, "turned_by needs the field of a message that"),
+    ({**SIDED, "heave": {"field": "x", "sign": "s"}}, "sign must give a field and its negative words"),
+    ({**SIDED, "heave": {"field": "x", "sign": {"field": "s", "negative": []}}}, "negative must list the words"),
+    ({**SIDED, "heave": {"field": "x", "sign": {"field": "y", "negative": ["P"]}}}, "unknown entry y; known: s, x"),
     ({"payout": TOPIC, "command": {}}, "either a line, a layout, or a topic"),
     ({"payout": TOPIC, "command": {"line": "{speed}"}}, "{speed} is unknown; known: payout, payout_rate"),
     ({"payout": TOPIC, "command": {"line": "{payout:s}"}}, "command: line: "),

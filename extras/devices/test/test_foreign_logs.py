@@ -6,8 +6,9 @@ from datetime import datetime, timedelta, timezone
 import numpy as np
 import pytest
 from heave_bags.errors import BagError
+from heave_devices.maps.channel import Channel
+from heave_devices.maps.device_map import DeviceMap
 from heave_devices.records.sea_import import import_sea
-from heave_devices.records.sea_mapping import Channel, SeaMapping, read_mapping
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
@@ -27,7 +28,7 @@ def clock(time, form="%H:%M:%S"):
 
 
 def mapping(column="heave", **others):
-    return SeaMapping({"heave": Channel(column=column)}, **others)
+    return DeviceMap({"heave": Channel(column=column)}, **others)
 
 
 def written(path, header, row, *, encoding="utf-8", before="", newline="\n", heave=HEAVE):
@@ -237,19 +238,19 @@ def test_a_heading_that_states_another_unit_needs_the_scale_it_names(tmp_path):
     log = written(tmp_path / "mru.csv", "time,heave_cm", row)
     with pytest.raises(BagError, match=r"column heave_cm is in cm by its heading: give --scale 0\.01"):
         import_sea(log, mapping("heave_cm"))
-    sea = import_sea(log, SeaMapping({"heave": Channel(column="heave_cm", scale=0.01)}))
+    sea = import_sea(log, DeviceMap({"heave": Channel(column="heave_cm", scale=0.01)}))
     assert 4.0 * sea.position[:, 2].std() == pytest.approx(SIGNIFICANT, rel=0.01)
     both = written(tmp_path / "both.csv", "time,heave,roll\ns,m,deg", lambda t, z: f"{t:.2f},{z:.3f},{z:.3f}")
     channels = {"heave": Channel(column="heave"), "roll": Channel(column="roll")}
     with pytest.raises(BagError, match=r"column roll is in deg by its heading: give --scale 0\.0174533"):
-        import_sea(both, SeaMapping(channels))
+        import_sea(both, DeviceMap(channels))
 
 
 def test_angles_in_degrees_are_asked_for(tmp_path):
     log = written(tmp_path / "mru.csv", "time,heave,roll", lambda t, z: f"{t:.2f},{z:.3f},{3.0 * z:.3f}")
     channels = {"heave": Channel(column="heave"), "roll": Channel(column="roll")}
     with pytest.raises(BagError, match=r"roll is 3\.\d+ rad, plausible is 0 to 1\.2 rad: degrees"):
-        import_sea(log, SeaMapping(channels))
+        import_sea(log, DeviceMap(channels))
 
 
 @pytest.mark.parametrize(
@@ -269,7 +270,7 @@ def test_samples_that_the_log_calls_invalid_are_gaps(tmp_path, valid, channel):
         f"time,heave,{name}",
         lambda t, z: f"{t:.2f},{99.0 if 100.0 <= t < 101.0 else z:.3f},{bad if 100.0 <= t < 101.0 else good}",
     )
-    sea = import_sea(log, SeaMapping({"heave": Channel(column="heave", **channel)}))
+    sea = import_sea(log, DeviceMap({"heave": Channel(column="heave", **channel)}))
     assert sea.time[-1] == pytest.approx(899.9, abs=0.06)
     assert f"heave: 10 samples that {name} calls invalid left out" in sea.notes
     assert 4.0 * sea.position[:, 2].std() == pytest.approx(SIGNIFICANT, rel=0.01)
@@ -278,20 +279,7 @@ def test_samples_that_the_log_calls_invalid_are_gaps(tmp_path, valid, channel):
 def test_a_validity_that_is_no_word_of_it_is_refused(tmp_path):
     log = written(tmp_path / "mru.csv", "time,heave,quality", lambda t, z: f"{t:.2f},{z:.3f},purple")
     with pytest.raises(BagError, match="quality = 'purple' is neither a number nor one of true, valid"):
-        import_sea(log, SeaMapping({"heave": Channel(column="heave", valid="quality")}))
-
-
-@pytest.mark.parametrize(
-    ("entry", "says"),
-    [
-        ("{column: heave, invalid_bits: 4}", "invalid_bits needs valid"),
-        ("{column: heave, valid: status, invalid_bits: four}", "must be a whole number"),
-    ],
-)
-def test_a_mapping_with_a_wrong_status_is_refused(tmp_path, entry, says):
-    (tmp_path / "m.yaml").write_text(f"heave: {entry}\n")
-    with pytest.raises(BagError, match=says):
-        read_mapping(tmp_path / "m.yaml")
+        import_sea(log, DeviceMap({"heave": Channel(column="heave", valid="quality")}))
 
 
 NMEA = ["$PSXN,23,0.12,-1.4,211.3,0.25*1C", "$GPZDA,120000.10,01,03,2025,00,00*6A"]
@@ -371,16 +359,3 @@ def test_a_mistreated_log_is_refused_in_one_line_or_gives_a_sea_that_can_be(tmp_
         return
     assert np.isfinite(sea.position).all()
     assert 4.0 * sea.position[:, 2].std() <= 25.0
-
-
-@pytest.mark.parametrize("form", ["%Y-%m-%d %H:%M:%S", "%H:%M:%S"])
-def test_an_hour_that_comes_twice_is_counted_on(tmp_path, form):
-    """Clocks are put back at the middle of the record: no sample is lost, and the record is as long as it was."""
-
-    def put_back(t):
-        return t - 3600.0 if t >= TIME[-1] / 2.0 else t
-
-    row = lambda t, z: f"{clock(put_back(t), form)},{z:.3f}"  # noqa: E731 - as the others
-    sea = import_sea(written(tmp_path / "log.csv", "time,heave", row), mapping())
-    assert sea.time[-1] - sea.time[0] == pytest.approx(TIME[-1], abs=1e-6)
-    assert any("put back by an hour" in note for note in sea.notes)

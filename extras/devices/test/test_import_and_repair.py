@@ -10,12 +10,11 @@ from heave_bags.mcap import repair
 from heave_bags.mcap.bag_writer import BagPolicy, BagWriter
 from heave_bags.mcap.reader import Bag
 from heave_bags.mcap.writer import ChunkPolicy
-from heave_devices.maps.channel import DEFAULT_CUT_OFF
+from heave_devices.maps.channel import DEFAULT_CUT_OFF, Channel
+from heave_devices.maps.device_map import DeviceMap
 from heave_devices.records import sea_import, sea_mapping
 from heave_devices.records.sea_import import boom_tip_motion, import_sea, integrated
-from heave_devices.records.sea_mapping import Channel, SeaMapping
 from heave_msgs.msg import MruSample
-from heave_node.numerics.kinematics import euler_part
 from hypothesis import given
 from hypothesis import strategies as st
 from rclpy.serialization import serialize_message
@@ -103,7 +102,7 @@ def test_samples_that_the_unit_itself_calls_invalid_are_gaps(tmp_path):
     # one second of a sine of 8 s, bridged by a cubic: (pi/4)^4/384 of its amplitude
     assert np.abs(got - (expected - expected.mean())).max() < 2e-3
     with pytest.raises(BagError, match="has no field flags that is a number or a flag"):
-        import_sea(tmp_path / "bag", SeaMapping({"heave": Channel(topic="/mru", field="heave", valid="flags")}))
+        import_sea(tmp_path / "bag", DeviceMap({"heave": Channel(topic="/mru", field="heave", valid="flags")}))
 
 
 def test_a_csv_log_is_the_sea_and_bad_cells_are_told(tmp_path):
@@ -111,7 +110,7 @@ def test_a_csv_log_is_the_sea_and_bad_cells_are_told(tmp_path):
     rows = [f"{1000 * (5.0 + 0.1 * n):.1f},{100 * math.sin(OMEGA * 0.1 * n):.6f}" for n in range(600)]
     rows[100] = rows[100].split(",")[0] + ",n/a"
     log.write_text("# ship log\nms,heave_cm\n" + "\n".join(rows) + "\n")
-    mapping = SeaMapping({"heave": Channel(column="heave_cm", scale=0.01)}, time_column="ms", time_scale=1e-3)
+    mapping = DeviceMap({"heave": Channel(column="heave_cm", scale=0.01)}, time_column="ms", time_scale=1e-3)
     sea = import_sea(log, mapping)
     assert sea.notes == ["heave: 1 sample without a number, or not later than the one before, skipped"]
     expected = np.sin(OMEGA * sea.time)
@@ -126,34 +125,13 @@ def test_the_result_is_read_by_the_node_that_plays_it(ship, tmp_path):
     assert np.abs(read.position - sea.position).max() < 1e-5
 
 
-@pytest.mark.parametrize(
-    ("text", "complaint"),
-    [
-        ("roll: {column: a}", "heave is missing"),
-        ("heave: {topic: /a, column: b}", "either a topic or a column"),
-        ("heave: {topik: /a}", "unknown entry"),
-        ("heave: {topic: /a}\nleverarm: [1, 2, 3]", "unknown entry leverarm"),
-        ("heave: {topic: /a}\nlever_arm: [1, 2]", "three numbers"),
-        ("heave: {topic: /a, part: rool}", "roll, pitch, yaw"),
-        ("just a text", "is no map"),
-        ("a: [", "cannot be read"),
-    ],
-)
-def test_a_wrong_mapping_is_refused_in_one_line(tmp_path, text, complaint):
-    path = tmp_path / "mapping.yaml"
-    path.write_text(text)
-    with pytest.raises(BagError, match=complaint) as caught:
-        sea_mapping.read_mapping(path)
-    assert "\n" not in str(caught.value)
-
-
 def test_missing_fields_are_refused(ship, tmp_path):
     log = tmp_path / "log.csv"
     log.write_text("time_s,heave\n" + "\n".join(f"{n},0" for n in range(100)))
     with pytest.raises(BagError, match="no field linear"):
-        import_sea(ship, SeaMapping({"heave": Channel(topic="/imu/data", field="linear")}))
+        import_sea(ship, DeviceMap({"heave": Channel(topic="/imu/data", field="linear")}))
     with pytest.raises(BagError, match="no column 'h'"):
-        import_sea(log, SeaMapping({"heave": Channel(column="h")}))
+        import_sea(log, DeviceMap({"heave": Channel(column="h")}))
 
 
 @given(st.floats(-0.5, 0.5), st.floats(-0.5, 0.5), st.tuples(*[st.floats(-50, 50)] * 3))
@@ -167,20 +145,6 @@ def test_bow_down_lowers_what_is_ahead_and_starboard_down_lifts_what_is_to_port(
     assert boom_tip_motion(motions, (10.0, 0.0, 0.0), 1)[0, 2] < 0.0
     motions = {"heave": np.zeros(1), "roll": np.array([0.1])}
     assert boom_tip_motion(motions, (0.0, 10.0, 0.0), 1)[0, 2] > 0.0
-
-
-@given(st.floats(-1.5, 1.5), st.floats(-1.5, 1.5), st.floats(-3.1, 3.1))
-def test_angles_come_back_from_their_quaternion(roll, pitch, yaw):
-    (cr, sr), (cp, sp), (cy, sy) = ((math.cos(a / 2), math.sin(a / 2)) for a in (roll, pitch, yaw))
-    quaternion = (
-        sr * cp * cy - cr * sp * sy,
-        cr * sp * cy + sr * cp * sy,
-        cr * cp * sy - sr * sp * cy,
-        cr * cp * cy + sr * sp * sy,
-    )
-    arrays = [np.array([value]) for value in quaternion]
-    for part, angle in (("roll", roll), ("pitch", pitch), ("yaw", yaw)):
-        assert euler_part(part, *arrays)[0] == pytest.approx(angle, abs=1e-6)
 
 
 def test_a_cut_bag_is_repaired_to_one_that_others_open_and_the_loss_is_stated(made_up_bag, tmp_path):

@@ -10,14 +10,22 @@ from heave_bringup.closed_loop import ClosedLoop, loop_parameters
 from heave_bringup.scenarios import load_scenario
 
 
+def write_log(path, heave):
+    """Write a log of `heave` [m] at 10 Hz."""
+    rows = "\n".join(f"{0.1 * i:.1f},{z:.6f}" for i, z in enumerate(heave))
+    path.write_text(f"time_s,heave\n{rows}\n")
+
+
+SWELL = np.sin(0.07 * np.arange(6000))
+
+
 @pytest.fixture
 def imported(tmp_path, capsys):
     """Return a function: heave at 10 Hz in, what the command prints and its JSON out."""
 
     def run(heave):
         log, mapping, result = tmp_path / "log.csv", tmp_path / "mapping.yaml", tmp_path / "result.json"
-        rows = "\n".join(f"{0.1 * i:.1f},{z:.6f}" for i, z in enumerate(heave))
-        log.write_text(f"time_s,heave\n{rows}\n")
+        write_log(log, heave)
         mapping.write_text("heave: {column: heave}\n")
         arguments = ["--mapping", str(mapping), "--output", str(tmp_path / "sea.csv"), "--json", str(result)]
         assert main(["import", str(log), *arguments]) == 0
@@ -51,9 +59,7 @@ def test_a_record_without_motion_has_no_period(imported):
 
 def test_the_scenario_that_is_written_plays_the_record_and_believes_its_height_and_period(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    time = 0.1 * np.arange(12_000)
-    rows = "\n".join(f"{t:.1f},{0.5 * math.sin(2.0 * math.pi / 10.0 * t):.6f}" for t in time)
-    (tmp_path / "mru.csv").write_text(f"time,heave\n{rows}\n")
+    write_log(tmp_path / "mru.csv", 0.5 * np.sin(2.0 * math.pi / 10.0 * 0.1 * np.arange(12_000)))
     arguments = ["--column", "heave", "--output", "sea.csv", "--scenario", "mine.yaml", "--like", "unit_1500"]
     assert main(["import", "mru.csv", *arguments]) == 0
     scenario = load_scenario("mine.yaml", settings=["all.duration=3", "all.transient=1", "cable_sim.segments=5"])
@@ -77,8 +83,7 @@ def test_the_scenario_that_is_written_plays_the_record_and_believes_its_height_a
 )
 def test_what_cannot_be_taken_is_refused_in_one_line(tmp_path, monkeypatch, capsys, arguments, words):
     monkeypatch.chdir(tmp_path)
-    rows = "\n".join(f"{0.1 * i:.1f},{math.sin(0.07 * i):.6f}" for i in range(6000))
-    (tmp_path / "mru.csv").write_text(f"time,heave\n{rows}\n")
+    write_log(tmp_path / "mru.csv", SWELL)
     assert main(["import", "mru.csv", "--column", "heave", "--output", "sea.csv", *arguments]) != 0
     said = capsys.readouterr().err
     assert words in said
@@ -88,7 +93,7 @@ def test_what_cannot_be_taken_is_refused_in_one_line(tmp_path, monkeypatch, caps
 
 def test_the_log_itself_is_never_written_over(tmp_path, capsys):
     log = tmp_path / "log.csv"
-    log.write_text("time_s,heave\n" + "\n".join(f"{0.1 * i:.1f},{math.sin(0.06 * i):.4f}" for i in range(3000)) + "\n")
+    write_log(log, SWELL)
     before = log.read_text()
     for option in ("--output", "--scenario"):
         others = [] if option == "--output" else ["--output", str(tmp_path / "sea.csv")]
@@ -99,8 +104,7 @@ def test_the_log_itself_is_never_written_over(tmp_path, capsys):
 
 def test_no_file_is_written_over_unless_that_is_asked_for(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
-    rows = "\n".join(f"{0.1 * i:.1f},{math.sin(0.07 * i):.6f}" for i in range(6000))
-    (tmp_path / "mru.csv").write_text(f"time,heave\n{rows}\n")
+    write_log(tmp_path / "mru.csv", SWELL)
     arguments = ["import", "mru.csv", "--column", "heave", "--output", "sea.csv", "--scenario", "mine.yaml"]
     (tmp_path / "mine.yaml").write_text("mine")
     assert main(arguments) != 0
@@ -116,8 +120,7 @@ def test_no_file_is_written_over_unless_that_is_asked_for(tmp_path, monkeypatch,
 def test_a_scenario_that_would_be_wrong_leaves_the_one_that_is_there(tmp_path, monkeypatch, capsys):
     """A height beyond what a sea may have: the record is taken, its scenario is refused."""
     monkeypatch.chdir(tmp_path)
-    rows = "\n".join(f"{0.1 * i:.1f},{90.0 * math.sin(0.07 * i):.4f}" for i in range(6000))
-    (tmp_path / "mru.csv").write_text(f"time,heave\n{rows}\n")
+    write_log(tmp_path / "mru.csv", 90.0 * SWELL)
     (tmp_path / "mine.yaml").write_text("mine")
     arguments = ["import", "mru.csv", "--column", "heave", "--output", "sea.csv", "--scenario", "mine.yaml", "--force"]
     assert main([*arguments, "--accept-implausible"]) != 0

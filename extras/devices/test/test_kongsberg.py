@@ -6,10 +6,6 @@ import struct
 import pytest
 from heave_devices.formats.kongsberg import EmAttitudeDecoder, KmBinaryDecoder
 from heave_devices.formats.sample import TimeBase
-from hypothesis import given
-from hypothesis import strategies as st
-
-from extras.devices.test.device_streams import CUTS, in_pieces
 
 DEGREE = math.radians(1.0)
 
@@ -94,20 +90,3 @@ def test_em_attitude_finds_its_step_again_and_a_datagram_needs_no_second_frame()
 def test_em_attitude_out_of_its_valid_range_is_not_read():
     """The manual: heave +-9.99 m, angles +-179.99 degrees; outside it is not valid, and rejected."""
     assert not EmAttitudeDecoder().feed(em3000(1000) * 3)
-
-
-@given(CUTS)
-def test_any_pieces_give_the_same_samples(cuts):
-    km = b"x#KMB" + km_binary() + km_binary(0.1)[:99] + km_binary(0.2, status=8) + b"#KMB"
-    em = b"\x90\x90" + em3000() + em3000(2) + b"\x01" + em3000(3) * 3
-    assert in_pieces(KmBinaryDecoder(), km, cuts) == in_pieces(KmBinaryDecoder(), km, [])
-    assert in_pieces(EmAttitudeDecoder(), em, cuts) == in_pieces(EmAttitudeDecoder(), em, [])
-
-
-@given(
-    st.lists(st.one_of(st.binary(max_size=40), st.sampled_from([b"#KMB", b"#KMB\x84\0\1\0", b"\x90\x90"])), max_size=20)
-)
-def test_random_bytes_never_raise(pieces):
-    for decoder in (KmBinaryDecoder(), EmAttitudeDecoder()):
-        samples = [sample for piece in pieces for sample in decoder.feed(piece)] + decoder.end()
-        assert all(math.isfinite(value) for sample in samples for value in sample.values.values())

@@ -11,8 +11,6 @@ from heave_node.interface.codes import MruStatus
 from hypothesis import given
 from hypothesis import strategies as st
 
-from extras.devices.test.device_streams import CUTS, in_pieces
-
 DEGREE = math.radians(1.0)
 
 
@@ -154,31 +152,6 @@ def test_a_datagram_may_end_without_an_end_of_line_but_not_within_a_sentence():
     decoder.feed(b"$PSXN,23,0.30,-0.9")
     assert not decoder.end()
     assert decoder.counters.incomplete_lines == 1
-
-
-STREAM = (
-    b"$PSXN,20,0,0,0,0*3B\r\n$PSXN,23,0.30,-0.97,298.57,0.13*1B\r\nrubbish\n$PENCR,3FFF,2000\r"
-    b"$PASHR,163029.000,158.09,T,-0.30,+0.31,+0.01,0.029,0.029,0.059,1,1*3B\r\n$GPZDA,172809.456,12,07,1996,00,00*57"
-)
-
-
-@given(CUTS)
-def test_any_pieces_give_the_same_samples(cuts):
-    assert in_pieces(NmeaDecoder(), STREAM, cuts) == in_pieces(NmeaDecoder(), STREAM, [])
-
-
-PLAUSIBLE_NOISE = st.one_of(
-    st.binary(max_size=80),
-    st.text("$PSXNAHRCTOUB20123,.*-+TEI\r\n", max_size=80).map(str.encode),
-    st.sampled_from([b"$PSXN", b"$PSXN,23", b"$PASHR,", b"$PHOCT,01,", b"$PNORSUB2,", b"$PENCR", b"$GPZDA,", b"\r\n"]),
-)
-
-
-@given(st.lists(PLAUSIBLE_NOISE, max_size=20), st.booleans())
-def test_random_bytes_never_raise_and_give_finite_numbers_only(pieces, needs_checksum):
-    decoder = NmeaDecoder(needs_checksum=needs_checksum)
-    samples = [sample for piece in pieces for sample in decoder.feed(piece)] + decoder.end()
-    assert all(math.isfinite(value) for sample in samples for value in sample.values.values())
 
 
 @given(st.integers(0, 33), st.integers(1, 255))

@@ -2,10 +2,6 @@
 
 import pytest
 from heave_devices.formats.pattern import PatternDecoder
-from hypothesis import given
-from hypothesis import strategies as st
-
-from extras.devices.test.device_streams import CUTS, in_pieces
 
 LCI_90 = r"(?P<covered>RD,(?P<tension>[^,]{8}),(?P<speed>[^,]{8}),(?P<payout>[^,]{8}),)(?P<checksum>\d{4})$"
 
@@ -51,20 +47,3 @@ def test_words_are_kept_beside_numbers():
 def test_a_pattern_that_cannot_be_is_refused(pattern, checksum, words):
     with pytest.raises(ValueError, match=words):
         PatternDecoder(pattern, checksum)
-
-
-STREAM = rd("00123.45", "-001.250", "0345.600") + b"RD,00123\r\n" + rd("00000001", "00000000", "-0000002") + b"RD,"
-
-
-@given(CUTS)
-def test_any_pieces_give_the_same_samples(cuts):
-    whole = in_pieces(PatternDecoder(LCI_90, "sum"), STREAM, [])
-    assert len(whole) == 2
-    assert in_pieces(PatternDecoder(LCI_90, "sum"), STREAM, cuts) == whole
-
-
-@given(st.binary(max_size=200))
-def test_random_bytes_never_raise(data):
-    decoder = PatternDecoder(LCI_90, "sum")
-    decoder.feed(data)
-    decoder.end()

@@ -10,7 +10,7 @@ import pytest
 from heave_bringup.errors import CommandError
 from heave_devices.adapt.device import LiveDevice
 from heave_devices.adapt.report import health_of
-from heave_devices.adapt.wiggle import Wiggle
+from heave_devices.bench.wiggle import wiggle
 from heave_devices.maps.device_map import device_map_of
 from heave_msgs.msg import WinchCommand
 from heave_node.files.bounded_yaml import parse_yaml
@@ -220,7 +220,7 @@ def test_a_move_of_millimetres_shows_a_wrong_sign_and_stops_at_a_wrong_scale(cha
     while bench.pause >= PAUSE:
         bench.pause, bench.began = 0.0, time.monotonic()
         try:
-            verdicts = Wiggle(bench.device, bench.wait, 0.02).run()
+            verdicts = wiggle(bench.device, bench.wait, 0.02)
             found = "; ".join(verdict.words for verdict in verdicts if not verdict.is_good)
         except CommandError as error:
             found = str(error)

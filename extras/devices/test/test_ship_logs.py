@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 from heave_bags.errors import BagError
 from heave_bags.signals import Signal
+from heave_devices.maps.channel import Channel
+from heave_devices.maps.device_map import DeviceMap
 from heave_devices.records.sea_import import import_sea
-from heave_devices.records.sea_mapping import Channel, SeaMapping
 from heave_devices.records.ship_time import time_words, unix_time
 from heave_devices.records.stretches import Window, longest_stretch
 from hypothesis import given
@@ -16,7 +17,7 @@ from hypothesis import strategies as st
 
 BEGUN = datetime(2025, 3, 1, 12, tzinfo=timezone.utc)
 OMEGA = 2.0 * math.pi / 9.0
-HEAVE = SeaMapping({"heave": Channel(column="heave")})
+HEAVE = DeviceMap({"heave": Channel(column="heave")})
 
 FORMS = {
     "seconds from any start": ("time_s", ",", lambda t: f"{t + 17.0:.3f}", 17.0),
@@ -86,7 +87,7 @@ def test_date_and_time_may_stand_in_two_columns(tmp_path):
         heading="date,clock",
         form=lambda t: f"{BEGUN + timedelta(seconds=t):%Y-%m-%d,%H:%M:%S.%f}",
     )
-    sea = import_sea(log, SeaMapping(HEAVE.channels, time_column=["date", "clock"]))
+    sea = import_sea(log, DeviceMap(HEAVE.channels, time_column=["date", "clock"]))
     assert sea.start == pytest.approx(BEGUN.timestamp(), abs=1e-3)
     assert_is_sine(sea, 0.0)
 
@@ -116,7 +117,7 @@ def test_a_gap_in_any_channel_ends_a_stretch(tmp_path):
     rows = [f"{0.1 * n:.1f},{math.sin(0.07 * n):.6f},{'' if 300 <= n < 400 else 0.1}" for n in range(1000)]
     (tmp_path / "mru.csv").write_text("time,heave,roll\n" + "\n".join(rows) + "\n")
     channels = {"heave": Channel(column="heave"), "roll": Channel(column="roll")}
-    sea = import_sea(tmp_path / "mru.csv", SeaMapping(channels))
+    sea = import_sea(tmp_path / "mru.csv", DeviceMap(channels))
     assert sea.time[-1] == pytest.approx(59.9, abs=0.06)
 
 
@@ -197,7 +198,7 @@ def rows(scale_time=1.0, scale=1.0, form="{:.4f}"):
 
 def imported(path, lines, column="heave", encoding="utf-8"):
     path.write_bytes(("\n".join(lines) + "\n").encode(encoding))
-    return import_sea(path, SeaMapping({"heave": Channel(column=column)}))
+    return import_sea(path, DeviceMap({"heave": Channel(column=column)}))
 
 
 def is_the_sine(sea):
@@ -312,15 +313,18 @@ def test_the_time_that_is_taken_out_of_several_is_said(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("back", "says"),
+    ("back", "form", "says", "lasts"),
     [
-        (3600.0, "put back by an hour, as summer time ends"),
-        (1800.0, "the time goes back by 1799.9 s after t = 7299.900 s"),
+        (3600.0, "{:.1f}", "put back by an hour, as summer time ends", 119.9),
+        (3600.0, "clock", "put back by an hour, as summer time ends", 119.9),
+        (1800.0, "{:.1f}", "the time goes back by 1799.9 s after t = 7299.900 s", 99.9),
     ],
 )
-def test_a_clock_that_is_put_back_is_said(tmp_path, back, says):
+def test_a_clock_that_is_put_back_is_said(tmp_path, back, form, says, lasts):
     """At the end of summer time a local clock runs twice through an hour, which is counted on; else it is a loss."""
     stamps = TIMES - back * (TIMES >= 100.0) + 7200.0
-    moved = [f"{t:.1f},{z:.4f}" for t, z in zip(stamps, sine(TIMES), strict=True)]
-    notes = imported(tmp_path / "mru.csv", ["time,heave", *moved]).notes
-    assert any(says in note for note in notes)
+    texts = [f"{BEGUN + timedelta(seconds=t):%H:%M:%S.%f}" if form == "clock" else form.format(t) for t in stamps]
+    moved = [f"{text},{z:.4f}" for text, z in zip(texts, sine(TIMES), strict=True)]
+    sea = imported(tmp_path / "mru.csv", ["time,heave", *moved])
+    assert any(says in note for note in sea.notes)
+    assert sea.time[-1] == pytest.approx(lasts, abs=0.06)

@@ -10,6 +10,7 @@ from heave_devices.crane.tip_carry import APPROACH, TipCarry
 from heave_node.crane.kinematics import Crane
 from heave_node.crane.pose import CranePose
 from heave_node.interface.sensors import MruReading
+from scipy.spatial.transform import Rotation
 from winch_controller_node.core.component import WinchController
 from winch_controller_node.interface.readings import Measurements, ScalarReading
 from winch_controller_node.interface.sensors import MruModelParameters
@@ -38,10 +39,7 @@ def attitude(t):
 
 def raised(t):
     """Return how high the tip is above where it is in the reference pose: the third component of R_y R_x arm."""
-    roll, pitch = attitude(t)
-    x_turn = np.array([[1, 0, 0], [0, math.cos(roll), -math.sin(roll)], [0, math.sin(roll), math.cos(roll)]])
-    y_turn = np.array([[math.cos(pitch), 0, math.sin(pitch)], [0, 1, 0], [-math.sin(pitch), 0, math.cos(pitch)]])
-    return float((y_turn @ x_turn @ np.array(Crane(CRANE).tip(joints(t)).arm))[2])
+    return float(Rotation.from_euler("xy", attitude(t)).apply(Crane(CRANE).tip(joints(t)).arm)[2])
 
 
 def by_ship(t):

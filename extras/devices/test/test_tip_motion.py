@@ -4,7 +4,8 @@ import math
 
 import numpy as np
 import pytest
-from heave_devices.live.tip_motion import TipMotion
+from heave_devices.live.tip_motion import GLIDE, TipMotion, WithoutSteps
+from scipy.spatial.transform import Rotation
 
 ARM = (20.0, -8.0, 15.0)
 NAN = (math.nan, math.nan)
@@ -16,10 +17,7 @@ def attitude(t):
 
 def raised(t):
     """Return how much higher than at rest the tip is: R_y(pitch) R_x(roll) arm, its third component."""
-    roll, pitch = attitude(t)
-    x_turn = np.array([[1, 0, 0], [0, math.cos(roll), -math.sin(roll)], [0, math.sin(roll), math.cos(roll)]])
-    y_turn = np.array([[math.cos(pitch), 0, math.sin(pitch)], [0, 1, 0], [-math.sin(pitch), 0, math.cos(pitch)]])
-    return float((y_turn @ x_turn @ np.array(ARM))[2]) - ARM[2]
+    return float(Rotation.from_euler("xy", attitude(t)).apply(ARM)[2]) - ARM[2]
 
 
 def rate_of(function, t, h=1e-5):
@@ -59,3 +57,37 @@ def test_trim_and_list_do_not_lift_the_tip():
 def test_without_an_arm_nothing_changes_and_without_attitude_nothing_is_known():
     assert TipMotion((0.0, 0.0, 0.0)).carry(0.0, 0.5, math.nan, NAN, NAN)[0] == 0.5
     assert all(map(math.isnan, TipMotion(ARM).carry(0.0, 0.5, 0.1, NAN, NAN)))
+
+
+DT = 0.05
+TIMES = np.arange(0.0, 60.0, DT)
+SHIP = 1.5 * np.sin(0.7 * TIMES)
+"""A ship that accelerates by 0.74 m/s^2 at most."""
+
+
+def moved(readings):
+    follower = WithoutSteps()
+    return np.array([follower.at(time, value) for time, value in zip(TIMES, readings, strict=True)])
+
+
+def test_a_sound_sensor_is_followed_to_the_bit():
+    assert np.array_equal(moved(SHIP), SHIP)
+    noisy = SHIP + np.random.default_rng(1).normal(0.0, 0.02, TIMES.size)
+    assert np.array_equal(moved(noisy), noisy)
+
+
+def test_a_spike_does_not_move_the_ship():
+    readings = SHIP.copy()
+    readings[600] += 5.0
+    assert np.abs(moved(readings) - SHIP).max() < 0.02, "of 5 m"
+
+
+@pytest.mark.parametrize("kind", ["frozen", "zero"])
+def test_after_a_step_the_ship_goes_on_from_where_it_was_and_is_where_it_is_read_after_the_glide(kind):
+    readings = SHIP + (TIMES >= 30.0) if kind == "zero" else np.where((TIMES > 30.0) & (TIMES < 34.0), SHIP[600], SHIP)
+    ship = moved(readings)
+    largest = 1.5 * 0.7**2 + math.pi**2 / (2.0 * GLIDE**2) * 3.0  # of the sea, and of half a cosine of 3 m
+    after = np.abs(np.diff(ship, 2))[602 if kind == "frozen" else 1 :] / DT**2
+    assert np.abs(np.diff(ship)).max() < 0.1, "no jump"
+    assert np.sort(after)[-4] < largest + 0.1
+    assert ship[-1] == readings[-1]

@@ -8,10 +8,6 @@ import math
 import pytest
 from heave_devices.formats.tss1 import Tss1Decoder
 from heave_node.interface.codes import MruStatus
-from hypothesis import given
-from hypothesis import strategies as st
-
-from extras.devices.test.device_streams import CUTS, in_pieces
 
 DEGREE = math.radians(1.0)
 
@@ -51,20 +47,3 @@ def test_what_is_wrong_is_counted():
     assert not decoder.feed(b":053C22  0000f-00\r\n:053C2G  0000f-0046 -0563\r\nhello\r\n")
     assert decoder.feed(b":053C22  0000f:053C22  0000f-0046 -0563\r\n")
     assert (decoder.counters.incomplete_lines, decoder.counters.malformed) == (2, 2)
-
-
-STREAM = b":053C22  0000f-0046 -0563\r\nx:043C86  0000f-0048 -0563\n:053D1C 00\r:073D89  0000F 0052  0562"
-
-
-@given(CUTS)
-def test_any_pieces_give_the_same_samples(cuts):
-    whole = in_pieces(Tss1Decoder(), STREAM, [])
-    assert len(whole) == 3
-    assert in_pieces(Tss1Decoder(), STREAM, cuts) == whole
-
-
-@given(st.one_of(st.binary(max_size=60), st.text(": 0123456789ABCDEFf-\r\n", max_size=60).map(str.encode)))
-def test_random_bytes_never_raise(data):
-    decoder = Tss1Decoder()
-    samples = decoder.feed(data) + decoder.end()
-    assert all(math.isfinite(value) for sample in samples for value in sample.values.values())

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from heave_devices.live.wiggle import DURATION, LEAST, Reading, is_too_far, judge, move_at
+from heave_devices.bench.wiggle import DURATION, LEAST, Reading, is_too_far, judge, move_at
 
 DISTANCE, STEP = 0.02, 0.02
 

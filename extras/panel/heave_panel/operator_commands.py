@@ -10,6 +10,7 @@ from heave_bringup.operate.link import RunLink
 from heave_bringup.operate.moves import Lowering, MoveBy
 from heave_bringup.operate.requests import (
     NODE_OF_DEVICE,
+    Task,
     request_factor,
     request_fault,
     request_mode,
@@ -17,7 +18,7 @@ from heave_bringup.operate.requests import (
     request_snapshot,
 )
 from heave_bringup.operate.situation import Situation
-from heave_bringup.operate.tasks import AnyOf, ClockTask, Stop, Task
+from heave_bringup.operate.tasks import AnyOf, ClockTask, Stop
 
 NUDGE = 0.1
 """Speed of the buttons that lower and lift [m/s]."""

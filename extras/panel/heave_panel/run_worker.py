@@ -10,9 +10,8 @@ from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
 from heave_bringup.operate.link import RunLink
-from heave_bringup.operate.requests import WinchLimits, request_limits
+from heave_bringup.operate.requests import Task, WinchLimits, request_limits
 from heave_bringup.operate.situation import Situation
-from heave_bringup.operate.tasks import Task
 
 from heave_panel.alarm_list import Alarm, AlarmList
 from heave_panel.efficiency import Efficiency

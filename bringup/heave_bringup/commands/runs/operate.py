@@ -16,8 +16,7 @@ from heave_bringup.errors import CommandError
 if TYPE_CHECKING:
     from heave_bringup.operate.link import DepthMove, RunLink
     from heave_bringup.operate.moves import MoveBy
-    from heave_bringup.operate.requests import Answer
-    from heave_bringup.operate.tasks import Task
+    from heave_bringup.operate.requests import Answer, Task
 
 SUMMARY = "Operate a run from another terminal: status, mode, moves, gain, stop, faults."
 EXAMPLES = (

@@ -35,12 +35,7 @@ _SENSOR_OF = {sensor.topic.name: sensor for sensor in SENSORS.values()}
 
 
 class LiveDevice:
-    """A device that takes part.
-
-    Parameters
-    ----------
-    device : the map
-    node : of ROS, whose topics are used
+    """A device that takes part, by its map, `device`, through the topics of a `node` of ROS.
 
     Attributes
     ----------

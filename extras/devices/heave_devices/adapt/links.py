@@ -23,11 +23,7 @@ _GONE = "the port is gone: its cable was pulled, or another program reads it. It
 
 
 class LinkThread(ABC):
-    """Opens a link, serves it until it breaks, and opens it again; nothing ends it in silence.
-
-    Parameters
-    ----------
-    link : what is opened
+    """Opens a `link`, serves it until it breaks, and opens it again; nothing ends it in silence.
 
     Attributes
     ----------

@@ -28,14 +28,7 @@ def installed_type(name: str, where: str) -> type[Any]:
 
 
 def winch_state(reading: WinchReading, order: WinchOrder, handshake: WinchHandshake) -> WinchState:
-    """Return the state of a drive: as reported by the drive, else as ordered.
-
-    Parameters
-    ----------
-    reading : of the drive
-    order : that it was sent last
-    handshake : whose faults count
-    """
+    """Return the state of a drive: by its own `reading`, else by the last `order`; faults are the `handshake`'s."""
     rate = reading.payout_rate
     state = WinchState(command_sequence=order.sequence, encoder_payout=reading.payout, encoder_payout_rate=rate)
     state.header.stamp = stamp_of(reading.stamp)

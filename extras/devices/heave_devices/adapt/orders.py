@@ -32,13 +32,7 @@ Values = dict[str, float]
 
 
 class Orders:
-    """The orders to one device.
-
-    Parameters
-    ----------
-    adapter : of the device
-    node : of ROS, whose topics are used
-    link : to the device; None: topics alone
+    """The orders to the device of an `adapter`, by a `link`, or, where that is None, by topics of a `node` alone.
 
     Attributes
     ----------

@@ -73,13 +73,7 @@ _WRONG = (
 
 
 def health_of(device: LiveDevice, before: Mapping[str, float]) -> Health:
-    """Return the health of a device.
-
-    Parameters
-    ----------
-    device : it
-    before : its figures a second ago: what has gone wrong since is a warning
-    """
+    """Return the health of a `device`: what has gone wrong since its figures `before`, a second ago, is a warning."""
     figures = figures_of(device)
     now = time.monotonic()
     values = {name: f"{value:.6g}" for name, value in figures.items()}
@@ -107,13 +101,9 @@ def health_of(device: LiveDevice, before: Mapping[str, float]) -> Health:
 
 
 def stale_words(device: LiveDevice, now: float, before: Mapping[str, float] | None = None) -> str:
-    """Return in words that nothing usable comes from a `device`, and the likely cause.
+    """Return in words that nothing usable comes from a `device` `now` [s], and the likely cause.
 
-    Parameters
-    ----------
-    device : it
-    now : monotonic time [s]
-    before : its figures a second ago; None: none were taken
+    `before` are its figures a second ago; None: none were taken.
     """
     age = device.adapter.watch.age(now)
     since = "no reading yet" if math.isnan(age) else f"no reading for {age:.1f} s"

@@ -5,7 +5,8 @@ from __future__ import annotations
 import re
 import sys
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from typing import TypeVar
 
 from diagnostic_msgs.msg import DiagnosticArray
 from heave_bringup.errors import CommandError
@@ -19,27 +20,17 @@ from rclpy.parameter import Parameter
 
 from heave_devices.adapt.device import LiveDevice
 from heave_devices.adapt.report import figures_of, health_of
-from heave_devices.adapt.wiggle import Wiggle
-from heave_devices.live.wiggle import Verdict
 from heave_devices.maps.device_map import DeviceMap
 
 GUARD_PERIOD = 0.05
 """Wall time between two looks at the commands [s]."""
 LOOK_PERIOD = 1.0
 """Wall time between two diagnostics [s]."""
+T = TypeVar("T")
 
 
 class Session:
-    """Runs devices.
-
-    Parameters
-    ----------
-    maps : of the devices
-    namespace : of the run; "": none
-
-    Attributes
-    ----------
-    devices : in the order of the maps
+    """Runs the `devices` of some `maps`, in their order, beside a run in a `namespace`; "": none.
 
     Raises CommandError where one of them cannot be opened; none is left open then.
     """
@@ -81,10 +72,10 @@ class Session:
             self._spinner.close()
             self._leave()
 
-    def wiggle(self, distance: float) -> list[Verdict]:
-        """Move the one winch by a `distance` [m] and back; return what was found.
+    def alone(self, move: Callable[[LiveDevice, Callable[[float], None]], T]) -> T:
+        """Return what a `move` of the one winch, which takes it and what serves its topics for a time [s], returns.
 
-        Raises CommandError where a controller commands it already, and where it cannot be moved.
+        Raises CommandError where a controller commands it already.
         """
         (device,) = self.devices
         device.start()
@@ -92,7 +83,7 @@ class Session:
             self._spinner.spin_for(1.0)
             if self._node.count_publishers(topics.WINCH_COMMAND.name):
                 raise CommandError("--wiggle: a controller is on winch/command: end its run first")
-            return Wiggle(device, self._spinner.spin_for, distance).run()
+            return move(device, self._spinner.spin_for)
         finally:
             self._spinner.close()
             self._leave()

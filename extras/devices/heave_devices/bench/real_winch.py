@@ -47,7 +47,7 @@ class RealPart:
         end = time.monotonic() + READY
         while "payout" not in device.adapter.newest:
             if time.monotonic() > end:
-                raise CommandError(f"{device.device.name}: {device.problem or stale_words(device, time.monotonic())}")
+                raise CommandError(f"{device.device.name}: {words_of(device)}")
             spin(PERIOD)
             device.guard()
 
@@ -86,23 +86,25 @@ def ask(event: Event) -> None:
     sys.stderr.write(f"\nheave: now: {event.ask or event.words}\n")
 
 
-def check_map(device: DeviceMap) -> None:
-    """Raise CommandError where a `device` is not a winch that takes orders."""
-    if WINCH_STATE not in device.outputs or device.command is None:
-        raise ParameterError(f"{device.name}: is not the map of a winch, with payout and command")
+def words_of(device: LiveDevice, otherwise: str = "") -> str:
+    """Return in words why a winch does not move; `otherwise` where it is heard and has no problem."""
+    is_heard = otherwise and not device.adapter.watch.is_stale(time.monotonic())
+    return device.problem or (otherwise if is_heard else stale_words(device, time.monotonic()))
+
+
+def is_winch(device: DeviceMap) -> bool:
+    """Return whether a `device` is a winch that takes orders."""
+    return WINCH_STATE in device.outputs and device.command is not None
 
 
 @contextmanager
 def real_winch(device: DeviceMap) -> Iterator[RealPart]:
-    """Open the winch of a map, and close it at the end.
+    """Open the winch of a map, `device`, and close it at the end.
 
-    Parameters
-    ----------
-    device : its map
-
-    Raises CommandError where it cannot be opened.
+    Raises ParameterError where it is no winch, CommandError where it cannot be opened.
     """
-    check_map(device)
+    if not is_winch(device):
+        raise ParameterError(f"{device.name}: is not the map of a winch, with payout and command")
     prepare_environment()
     node = node_beside(f"acceptance_{os.getpid()}", "")
     try:

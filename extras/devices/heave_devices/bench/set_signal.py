@@ -62,13 +62,9 @@ def sine(amplitude: float, period: float, cycles: float) -> SetSignal:
 
 
 def sweep(speed: float, longest: float, shortest: float, duration: float) -> SetSignal:
-    """Return a sine of the rate, of amplitude `speed` [m/s], whose period falls evenly in its logarithm.
+    """Return a sine of the rate, of amplitude `speed` [m/s], over a `duration` [s].
 
-    Parameters
-    ----------
-    speed : amplitude of the rate [m/s]
-    longest, shortest : periods at the start and at the end [s]
-    duration : [s]
+    Its period falls evenly in its logarithm from the `longest` to the `shortest` [s].
     """
     first, growth = 1.0 / longest, math.log(longest / shortest) / duration
     words = f"sine sweep of {speed:g} m/s from {longest:g} to {shortest:g} s"

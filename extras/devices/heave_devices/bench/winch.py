@@ -62,13 +62,7 @@ class WinchPart(Protocol):
 
 
 class VirtualPart:
-    """The suite's virtual winch in simulated time.
-
-    Parameters
-    ----------
-    parameters : of the winch
-    load : tension at the drum [N]
-    """
+    """The suite's virtual winch in simulated time, with a `load`, the tension at the drum [N]."""
 
     is_real = False
 
@@ -111,14 +105,9 @@ class Trace:
 
 
 def release(part: WinchPart, name: str) -> Sample:
-    """Take a winch from whatever it is in to where it follows; return what it reports.
+    """Take a winch, `part`, from whatever it is in to where it follows; return what it reports.
 
-    Parameters
-    ----------
-    part : the winch
-    name : of the step, for the message
-
-    Raises CommandError where its brake stays on.
+    Raises CommandError, with the `name` of the step, where its brake stays on.
     """
     sample = part.step(0.0, 0.0, brake=True)
     for _ in range(round(RELEASE[0] / PERIOD)):
@@ -156,13 +145,7 @@ def run_winch(
 
 
 class _Event:
-    """An event on its way: announced when it is due, begun at once, or where a person does it when the winch stops.
-
-    Parameters
-    ----------
-    event : of the step; None: there is none
-    part : the winch
-    """
+    """An event on its way: announced when it is due, begun at once, or where a person does it when the winch stops."""
 
     def __init__(self, event: Event | None, part: WinchPart) -> None:
         self._event, self._part = event, part

@@ -14,7 +14,7 @@ from heave_node.parameters import ParameterError
 
 if TYPE_CHECKING:
     from heave_devices.adapt.session import Session
-    from heave_devices.live.wiggle import Verdict
+    from heave_devices.bench.wiggle import Verdict
     from heave_devices.maps.device_map import DeviceMap
 
 SUMMARY = "Connect a third-party sensor or winch using a mapping file: serial, UDP, TCP, Modbus/TCP, OPC UA, ROS."
@@ -85,7 +85,7 @@ def _serve(options: argparse.Namespace, maps: list[DeviceMap]) -> None:
 
     from heave_devices.adapt.report import figures_of, stale_words, summary_table
     from heave_devices.adapt.session import Session
-    from heave_devices.adapt.wiggle import check_wiggle
+    from heave_devices.bench.wiggle import check_wiggle
 
     if not options.duration > 0.0:
         raise ParameterError(f"--duration {options.duration:g}: must be above 0")
@@ -110,7 +110,9 @@ def _wiggle(options: argparse.Namespace, session: Session) -> None:
     """Move the winch of a `session`, print what was found, and raise CommandError where its map is wrong."""
     from heave_bringup.output import make_table, write_result
 
-    found = session.wiggle(1e-3 * options.wiggle)
+    from heave_devices.bench.wiggle import wiggle
+
+    found = session.alone(lambda winch, spin: wiggle(winch, spin, 1e-3 * options.wiggle))
     rows = [[verdict.what, _judgement(verdict), verdict.words] for verdict in found]
     titles = ("quantity", "verdict", "found")
     write_result(options, make_table(titles, rows, texts=titles), [verdict._asdict() for verdict in found])

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from heave_node.numerics.spectral_estimate import HeightAndPeriod
     from heave_node.scenario import Sections
 
-    from heave_devices.records.sea_mapping import SeaMapping
+    from heave_devices.maps.device_map import DeviceMap
 
 SUMMARY = "Make a sea from a ship's record: a bag with a standard motion type, a log in columns, or a device's raw log."
 EXAMPLES = (
@@ -129,11 +129,12 @@ def execute(options: argparse.Namespace) -> None:
     write_result(options, "\n".join(text), result)
 
 
-def _mapping_of(options: argparse.Namespace) -> SeaMapping | str:
+def _mapping_of(options: argparse.Namespace) -> DeviceMap | str:
     """Return where the motion is found, as `options` say: a mapping, or the name of a topic."""
     from heave_devices.adapt.shipped import shipped_maps
     from heave_devices.maps.channel import Channel
-    from heave_devices.records.sea_mapping import SeaMapping, read_mapping
+    from heave_devices.maps.device_map import DeviceMap
+    from heave_devices.records.sea_mapping import read_mapping
 
     of_log = {
         name: value
@@ -150,7 +151,7 @@ def _mapping_of(options: argparse.Namespace) -> SeaMapping | str:
         path = options.mapping
         return replace(read_mapping(path if path.exists() else shipped_maps().get(str(path), path)), **of_log)
     scale = 1.0 if options.scale is None else options.scale
-    return SeaMapping({"heave": Channel(column=options.column, scale=scale)}, **of_log)
+    return DeviceMap({"heave": Channel(column=options.column, scale=scale)}, **of_log)
 
 
 def _how_to_run(

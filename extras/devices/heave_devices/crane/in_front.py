@@ -19,7 +19,7 @@ from winch_controller_node.in_front import MotionSourceEntry
 from winch_controller_node.interface.readings import Measurements, Outputs, WinchReading
 from winch_controller_node.motion.mean_motion import RETURN_SPEED
 
-from heave_devices.crane.alarms import ALARMS
+from heave_devices.crane.pose_watch import ALARMS
 from heave_devices.crane.tip_carry import TipCarry
 
 CATCH_UP = 2.0
@@ -33,17 +33,7 @@ LEAST_LEFT = 0.1
 
 
 class CraneInFront:
-    """A crane that moves, in front of a controller.
-
-    Parameters
-    ----------
-    controller : behind it
-    tick_period : [s]
-
-    Attributes
-    ----------
-    carry : of the MRU's motion to the boom tip
-    """
+    """A crane that moves, in front of a `controller` with ticks of `tick_period` [s]; `carry` has its boom tip."""
 
     def __init__(self, controller: WinchController, tick_period: float) -> None:
         parameters = controller.parameters

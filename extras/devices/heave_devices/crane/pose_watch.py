@@ -10,13 +10,15 @@ from __future__ import annotations
 
 import math
 from collections import deque
+from pathlib import Path
 
 from heave_node.crane.kinematics import JOINTS, STILL
 from heave_node.crane.pose import CranePose, moved
-from heave_node.interface.alarm import Alarm
+from heave_node.interface.alarm import Alarm, read_alarms
 from winch_controller_node.parameters.model import CONFIRMED_AFTER, CraneModelParameters
 
-from heave_devices.crane.alarms import ALARMS
+ALARMS = read_alarms(Path(__file__).with_name("alarms.yaml"))
+"""Alarms of a crane that moves."""
 
 STAMP_TOLERANCE = 0.1
 """A pose may be stamped so much ahead of the clock [s]."""

@@ -39,19 +39,12 @@ APPROACH = 10.0
 
 
 class Approach(NamedTuple):
-    """The way in the horizontal to a boom tip that the pose has found elsewhere.
+    """The way in the horizontal to a boom tip that the pose has found elsewhere."""
 
-    Attributes
-    ----------
-    breaks : of the pose so far, by which the next one is known
-    since : time of the last one [s]
-    start, end : boom tip before and after it, from its place in the reference pose [m]
-    """
-
-    breaks: int = 0
-    since: float = -math.inf
-    start: Vector = (0.0, 0.0, 0.0)
-    end: Vector = (0.0, 0.0, 0.0)
+    breaks: int = 0  # of the pose so far, by which the next one is known
+    since: float = -math.inf  # time of the last one [s]
+    start: Vector = (0.0, 0.0, 0.0)  # boom tip before it, from its place in the reference pose [m]
+    end: Vector = (0.0, 0.0, 0.0)  # boom tip after it
 
     def on_the_way(self, time: float, place: TipPlace) -> TipPlace:
         """Return a `place` of the boom tip at a `time` [s] with what is left of the way."""

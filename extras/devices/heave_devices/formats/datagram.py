@@ -126,12 +126,7 @@ def layout_of(fields: Mapping[str, str], byte_order: str = "big") -> Layout:
 
 
 class DatagramDecoder:
-    """Reads datagrams of one layout: see `Decoder`.
-
-    Parameters
-    ----------
-    layout : of them
-    """
+    """Reads datagrams of one `layout`: see `Decoder`."""
 
     def __init__(self, layout: Layout) -> None:
         self.counters = Counters()

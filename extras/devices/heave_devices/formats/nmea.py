@@ -17,9 +17,7 @@ _WRONG = (ValueError, LookupError, TypeError, AttributeError, OverflowError)
 class NmeaDecoder(LineDecoder):
     """Reads sentences of a serial line, of datagrams or of a log, in which other text may stand before each.
 
-    Parameters
-    ----------
-    needs_checksum : a sentence without one is refused; sentences that never have one are taken all the same
+    With `needs_checksum` a sentence without one is refused; sentences that never have one are taken all the same.
     """
 
     def __init__(self, *, needs_checksum: bool = True) -> None:
@@ -27,13 +25,11 @@ class NmeaDecoder(LineDecoder):
         self.needs_checksum = needs_checksum
         self._quality = Quality()
 
-    def end(self) -> list[Sample]:
-        """See Decoder."""
-        line = self._lines.end()
-        if line and "*" not in line[-3:] and self.needs_checksum:
-            self.counters.incomplete_lines += 1
-            return []
-        return self._last(line)
+    def _read_unended(self, line: str) -> Sample | None:
+        if "*" in line[-3:] or not self.needs_checksum:
+            return self._read(line)
+        self.counters.incomplete_lines += 1
+        return None
 
     def _read(self, line: str) -> Sample | None:
         """Return the sample of the last sentence that a line holds."""

@@ -2,6 +2,10 @@
 
 Whole numbers are two's complement, floats IEEE 754; the first byte is the most significant one unless a map says
 `little`. One bit of a whole number is named by its place behind a point: `status.0` is the least significant bit.
+
+Some numbers stand for "not available" by custom: both ends of a signed whole number, all ones of an unsigned one, and
+what is no finite number. 0x8000, 0x7FFF, 0xFFFF and 0x80000000 are such ends. A map names a device's own by
+`invalid_values`.
 """
 
 from __future__ import annotations
@@ -9,6 +13,7 @@ from __future__ import annotations
 import math
 import re
 import struct
+from collections.abc import Mapping
 
 KINDS = {
     **{"int8": "b", "uint8": "B", "int16": "h", "uint16": "H", "int32": "i", "uint32": "I", "int64": "q"},
@@ -77,3 +82,23 @@ def with_bits(values: dict[str, float], name: str, bit: int | None, value: float
         return
     held = int(values.get(name, 0))
     values[name] = float(held | 1 << bit if value else held & ~(1 << bit))
+
+
+FILL_VALUES: Mapping[str, tuple[float, ...]] = {
+    **{f"int{bits}": (float(-(1 << bits - 1)), float((1 << bits - 1) - 1)) for bits in (16, 32, 64)},
+    **{f"uint{bits}": (float((1 << bits) - 1),) for bits in (16, 32, 64)},
+    "float32": (),
+    "float64": (),
+}
+"""By the kind of number, besides what is not finite; shorter numbers use their whole range."""
+CUSTOMARY = frozenset(value for values in FILL_VALUES.values() for value in values)
+"""Those of any kind, for a number whose kind is not known."""
+
+
+def is_fill(value: float, kind: str = "") -> bool:
+    """Return whether a `value`, in a number of a `kind`, stands for none; a `kind` of "" is not known.
+
+    >>> is_fill(-32768.0, "int16"), is_fill(-32768.0, "int32"), is_fill(math.nan, "float32"), is_fill(65535.0)
+    (True, False, True, True)
+    """
+    return not math.isfinite(value) or value in (FILL_VALUES.get(kind, ()) if kind else CUSTOMARY)

@@ -18,26 +18,14 @@ class Format:
 
     make: Callable[[], Decoder]  # returns a new decoder
     fields: Mapping[str, tuple[str, ...]]  # of each sentence or frame, by its name
-    meaning: str  # one line for the list of formats
     is_text: bool = True  # lines, of which a log may have a stamp before each
 
 
 FORMATS: Mapping[str, Format] = {
-    "nmea": Format(
-        NmeaDecoder, FIELDS, "sentences of NMEA 0183: PSXN 20, 22, 23, 24, PASHR, PHOCT, PNORSUB, PNORSUB2, PENCR, ZDA"
-    ),
-    "tss1": Format(
-        Tss1Decoder,
-        {"TSS1": ("horizontal_acceleration", "heave_acceleration", "heave", "roll", "pitch")},
-        "TSS1 lines",
-    ),
-    "km_binary": Format(KmBinaryDecoder, {"KMB": KMB_FIELDS}, "Kongsberg KM Binary (#KMB)", is_text=False),
-    "em3000": Format(
-        EmAttitudeDecoder,
-        {"EM3000": ("roll", "pitch", "heading", "heave")},
-        "Kongsberg EM Attitude 3000, and 1000",
-        is_text=False,
-    ),
+    "nmea": Format(NmeaDecoder, FIELDS),
+    "tss1": Format(Tss1Decoder, {"TSS1": ("horizontal_acceleration", "heave_acceleration", "heave", "roll", "pitch")}),
+    "km_binary": Format(KmBinaryDecoder, {"KMB": KMB_FIELDS}, is_text=False),
+    "em3000": Format(EmAttitudeDecoder, {"EM3000": ("roll", "pitch", "heading", "heave")}, is_text=False),
 }
 """Decoders by the name of their format; lines by a pattern of the map's own are `line`."""
 LINE = "line"

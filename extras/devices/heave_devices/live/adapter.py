@@ -20,9 +20,9 @@ from heave_devices.live.counted_time import CountedTime, DeviceClock
 from heave_devices.live.drum_count import DrumCount
 from heave_devices.live.link_watch import LinkWatch
 from heave_devices.live.taker import Recent, Taken, Taker
-from heave_devices.live.tip_motion import TipMotion
-from heave_devices.live.without_steps import WithoutSteps
+from heave_devices.live.tip_motion import TipMotion, WithoutSteps
 from heave_devices.maps.device_map import DeviceMap
+from heave_devices.maps.quantities import OUTPUTS
 
 _COUNT_BEGAN = 10**18
 """Stamp of a time of 0 s by a count or counter [ns]: far from any simulated time, and taken for an own one."""
@@ -33,7 +33,6 @@ LATE = -1
 NO_STAMP = 0
 """Stamp of a reading whose time of arrival counts."""
 WINCH_STATE = "winch/state"
-_BESIDE_HEAVE = ("heave_rate", "heave_acceleration", "roll", "pitch", "roll_rate", "pitch_rate")
 _PLAIN = {sensors.DEPTH.topic.name: "pressure", sensors.LOAD_CELL.topic.name: "tension"}
 """Topics with one number, and the quantity that it is."""
 
@@ -50,11 +49,7 @@ class WinchReading(NamedTuple):
 
 
 class Adapter:
-    """One device: samples or messages in, readings out.
-
-    Parameters
-    ----------
-    device : the map
+    """One device by its map, `device`: samples or messages in, readings out.
 
     Attributes
     ----------
@@ -77,10 +72,10 @@ class Adapter:
         self.newest: dict[str, float] = {}
         self.published = dict.fromkeys(device.outputs, 0)
         self._tip = TipMotion(device.lever_arm)
-        self._attitude = Recent(_BESIDE_HEAVE, device.timeout)
+        self._attitude = Recent(OUTPUTS[sensors.MRU.topic.name][1], device.timeout)
         self._sequence = 0
         self._crane = Recent(POSE_FIELDS, device.timeout)
-        self._time = DeviceTime(device.counter_wrap) if "device_time" in device.channels else DeviceTime()
+        self._time = DeviceTime(device.counter_wrap)
         self.clocks: dict[str, DeviceClock] = {}
         self._clock = DeviceClock()
         self._began: int | None = None
@@ -88,7 +83,7 @@ class Adapter:
         self.speed_travel = SpeedTravel()
         self._counted: dict[str, CountedTime] = {}
         self._payout = RecentMotion()
-        self._beside = Recent(("payout_rate", "tension", "brake", "fault"))
+        self._beside = Recent(OUTPUTS[WINCH_STATE][1])
         self._count = math.nan
         self.is_counting = True
 
@@ -144,7 +139,7 @@ class Adapter:
         """
         if self.device.clock == "own" and own is not None:
             return own, own * 1e-9
-        rate = self.device.record.sample_rate
+        rate = self.device.sample_rate
         if not (kind and rate):
             return NO_STAMP, now
         time = self._counted.setdefault(kind, CountedTime(rate)).time(now)

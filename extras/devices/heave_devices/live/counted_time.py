@@ -35,10 +35,7 @@ class DeviceClock:
     def time(self, own: float, now: float) -> float | None:
         """Return the time of a sample that goes on over restarts [s]; None: it is older than one before.
 
-        Parameters
-        ----------
-        own : time by the device [s]
-        now : monotonic time of its arrival [s]
+        It is of the device's `own` time and has arrived `now`, by a monotonic clock [s].
         """
         self.has_stepped = False
         if self._before is None:
@@ -79,11 +76,7 @@ class CountedTime:
 
     A sample that a busy machine hands over late, or several at once, so get the times at which they were taken. Samples
     that were lost, or a device a little slower than stated, leave all that follow late: then the count moves on by the
-    smallest delay of the last JUDGED periods.
-
-    Parameters
-    ----------
-    rate : samples per second [Hz]
+    smallest delay of the last JUDGED periods. `rate`: samples per second [Hz].
     """
 
     def __init__(self, rate: float) -> None:

@@ -13,11 +13,7 @@ _GAP, _BURST = 2.5, 0.2
 
 
 class LinkWatch:
-    """Watches when samples come.
-
-    Parameters
-    ----------
-    timeout : silence after which the device is stale [s]
+    """Watches when samples come; after a silence of a `timeout` [s] the device is stale.
 
     Attributes
     ----------

@@ -13,14 +13,12 @@ from heave_node.numerics.arrays import Array
 from heave_node.numerics.high_pass import HighPass
 from heave_node.numerics.kinematics import euler_part, turned
 
-from heave_devices.formats.fill_values import is_fill
-from heave_devices.formats.number_kinds import size_of, with_words_swapped
+from heave_devices.formats.number_kinds import is_fill, size_of, with_words_swapped
 from heave_devices.formats.sample import Sample
 from heave_devices.maps.channel import Channel
-from heave_devices.maps.device_map import DeviceMap
+from heave_devices.maps.device_map import DeviceMap, SampleField
 from heave_devices.maps.field_path import FieldPath
 from heave_devices.maps.quantities import QUANTITIES
-from heave_devices.maps.sample_field import SampleField
 
 _LEAST_FLOAT = 1e-25
 """A float below is no measurement, but the words of one in the wrong order."""
@@ -43,13 +41,7 @@ class Taken:
 
 
 class Recent:
-    """The newest value of each of some quantities that samples give by and by.
-
-    Parameters
-    ----------
-    names : of the quantities
-    timeout : age above which a value is old [s]
-    """
+    """The newest value of each quantity of some `names` that samples give by and by; old after a `timeout` [s]."""
 
     def __init__(self, names: Sequence[str], timeout: float = math.inf) -> None:
         self._names, self._timeout = names, timeout
@@ -79,11 +71,7 @@ class TakeCounters:
 
 
 class Taker:
-    """Takes the quantities of a map out of samples and messages.
-
-    Parameters
-    ----------
-    device : the map
+    """Takes the quantities of a map, `device`, out of samples and messages.
 
     Attributes
     ----------

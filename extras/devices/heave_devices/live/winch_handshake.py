@@ -30,11 +30,7 @@ class WinchOrder(NamedTuple):
 
 
 class WinchHandshake:
-    """Keeps the contract between a controller and a drive.
-
-    Parameters
-    ----------
-    timeout : of commands [s]
+    """Keeps the contract between a controller, whose commands have a `timeout` [s], and a drive.
 
     Attributes
     ----------
@@ -50,14 +46,7 @@ class WinchHandshake:
         self.refused = 0
 
     def take(self, now: float, order: WinchOrder, rate: float) -> None:
-        """Take a command of the controller.
-
-        Parameters
-        ----------
-        now : monotonic time [s]
-        order : the command
-        rate : of the drum [m/s]; NaN: not known
-        """
+        """Take an `order` of the controller at the time `now` [s], with the drum at a `rate` [m/s]; NaN: not known."""
         if not self._is_fresh(now, order):
             self.refused += order.sequence != self._order.sequence
             return

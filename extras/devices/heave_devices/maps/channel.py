@@ -66,15 +66,10 @@ class Channel:
     valid: str = ""
     valid_values: tuple[float | str, ...] = ()  # `valid` must be one of these numbers or words instead
     invalid_bits: int = 0  # `valid` is a status instead, and a sample with one of these bits set is not valid
-    # numbers, as sent, that stand for "not available", besides those of `fill_values`
+    # numbers, as sent, that stand for "not available", besides those of `number_kinds`
     invalid_values: tuple[float, ...] = ()
     sigma: float = math.nan  # accuracy that is stated with a live sample, one standard deviation, SI; NaN: none
     zero_at_start: bool = False  # the first usable live value counts as 0
-
-    @property
-    def is_component(self) -> bool:
-        """Whether its field is a component of a vector."""
-        return self.field[-2:] in (".x", ".y", ".z")
 
     def signed(self, value: float, words: Mapping[str, str]) -> float:
         """Return a `value` with the sign that the `words` of its line, by field, give it; NaN without one."""
@@ -107,13 +102,7 @@ class Channel:
 
 
 def read_channel(quantity: str, entry: Any, positive: str = "") -> Channel:
-    """Return the channel of a quantity that a map describes.
-
-    Parameters
-    ----------
-    quantity : its name
-    entry : of the map
-    positive : which way is, unless the entry says it
+    """Return the channel of a `quantity` that an `entry` of a map describes, `positive` unless the entry says it.
 
     Raises MapError for what cannot be.
     """
@@ -190,46 +179,55 @@ def as_kind(kind: type, name: str, value: Any) -> Any:
 
 
 def _check(quantity: str, channel: Channel) -> None:
-    known = QUANTITIES[quantity]
-    if channel.topic and channel.column:
-        raise MapError(f"{quantity} needs either a topic or a column")
-    dimension = channel.dimension(quantity)
-    if channel.unit and channel.unit not in UNITS[dimension]:
-        units = ", ".join(filter(None, UNITS[dimension])) or "none"
-        raise MapError(f"{quantity}: {channel.unit} is no unit of {dimension}; known: {units}")
-    if channel.positive and channel.positive not in known.ways:
-        raise MapError(
-            f"{quantity}: positive: {channel.positive!r} is unknown; known: {', '.join(known.ways) or 'none'}"
-        )
-    if channel.scale == 0.0 or abs(channel.scale) > 1e9 or abs(channel.offset) > known.largest:
-        raise MapError(
-            f"{quantity}: scale {channel.scale:g}, offset {channel.offset:g} cannot be: "
-            f"the largest {quantity} is {known.largest:g} in SI units"
-        )
-    if channel.high_pass != 0.0 and not 20.0 <= channel.high_pass <= 3600.0:
-        raise MapError(f"{quantity}: high_pass = {channel.high_pass:g} must be from 20 to 3600 s")
-    if channel.velocity and channel.acceleration:
-        raise MapError(f"{quantity}: is either a velocity or an acceleration")
-    if channel.invalid_bits < 0:
-        raise MapError(f"{quantity}: invalid_bits must be a whole number such as 6 or 0x8000")
-    if (channel.invalid_bits or channel.valid_values) and not channel.valid:
-        name = "invalid_bits" if channel.invalid_bits else "valid_values"
-        raise MapError(f"{quantity}: {name} needs valid: the column or field of the status")
-    if channel.part and channel.part not in EULER_PARTS:
-        raise MapError(f"{quantity}: part must be one of {', '.join(EULER_PARTS)}")
-    if channel.turned_by and (channel.column or not channel.is_component):
-        raise MapError(f"{quantity}: turned_by needs the field of a message that ends with .x, .y or .z")
+    """Raise MapError where the entries of a channel contradict each other."""
+    known, dimension = QUANTITIES[quantity], channel.dimension(quantity)
+    units, ways = (", ".join(filter(None, names)) or "none" for names in (UNITS[dimension], known.ways))
+    name = "invalid_bits" if channel.invalid_bits else "valid_values"
+    refuse(
+        f"{quantity}: ",
+        (channel.topic and channel.column, "needs either a topic or a column"),
+        (
+            channel.unit and channel.unit not in UNITS[dimension],
+            f"{channel.unit} is no unit of {dimension}; known: {units}",
+        ),
+        (
+            channel.positive and channel.positive not in known.ways,
+            f"positive: {channel.positive!r} is unknown; known: {ways}",
+        ),
+        (
+            channel.scale == 0.0 or abs(channel.scale) > 1e9 or abs(channel.offset) > known.largest,
+            f"scale {channel.scale:g}, offset {channel.offset:g} cannot be: the largest {quantity} is "
+            f"{known.largest:g} in SI units",
+        ),
+        outside("high_pass", channel.high_pass or 20.0, 20.0, 3600.0, " s"),
+        (channel.velocity and channel.acceleration, "is either a velocity or an acceleration"),
+        (channel.invalid_bits < 0, "invalid_bits must be a whole number such as 6 or 0x8000"),
+        (
+            (channel.invalid_bits or channel.valid_values) and not channel.valid,
+            f"{name} needs valid: the column or field of the status",
+        ),
+        (channel.part and channel.part not in EULER_PARTS, f"part must be one of {', '.join(EULER_PARTS)}"),
+        (
+            channel.turned_by and (channel.column or channel.field[-2:] not in (".x", ".y", ".z")),
+            "turned_by needs the field of a message that ends with .x, .y or .z",
+        ),
+    )
+
+
+def refuse(where: str, *cases: tuple[object, str]) -> None:
+    """Raise MapError for the first of `cases` that is so, each with its words, after its place in the map, `where`."""
+    words = next((words for is_so, words in cases if is_so), "")
+    if words:
+        raise MapError(where + words)
+
+
+def outside(name: str, value: float, least: float, most: float, unit: str = "") -> tuple[bool, str]:
+    """Return whether the `value` called `name` is not from `least` to `most`, and the words for it, with its `unit`."""
+    return not least <= value <= most, f"{name} = {value:g} must be from {least:g} to {most:g}{unit}"
 
 
 def refuse_unknown(where: str, entry: Mapping[str, object], known: Collection[str]) -> None:
-    """Raise MapError for an entry whose name is not known, with the nearest one that is.
-
-    Parameters
-    ----------
-    where : in the map
-    entry : names and values
-    known : names that may be
-    """
+    """Raise MapError for a name in an `entry` that is not `known`, with its place, `where`, and the nearest that is."""
     for name in entry:
         if name not in known:
             near = difflib.get_close_matches(name, known, n=1)

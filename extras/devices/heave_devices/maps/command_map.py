@@ -12,7 +12,16 @@ from typing import Any
 from heave_devices.formats.datagram import CLOCKS, Layout, layout_of
 from heave_devices.formats.number_kinds import split_bit, with_bits, wrapped
 from heave_devices.formats.pattern import CHECKSUMS
-from heave_devices.maps.channel import MapError, as_kind, placed, plain_entries, read_channel, refuse_unknown
+from heave_devices.maps.channel import (
+    MapError,
+    as_kind,
+    outside,
+    placed,
+    plain_entries,
+    read_channel,
+    refuse,
+    refuse_unknown,
+)
 from heave_devices.maps.field_path import FieldPath
 from heave_devices.maps.link import Link, read_link
 
@@ -93,13 +102,9 @@ class CommandMap:
     def numbers_of(
         self, values: Mapping[str, float | int], kind_of: Callable[[str], str], *, has_bits: bool = True
     ) -> dict[str, float]:
-        """Return what is set, by name of the field, register or node.
+        """Return what is set for the `values` of ORDERS, by name of the field, register or node.
 
-        Parameters
-        ----------
-        values : of ORDERS
-        kind_of : returns the kind of number that a field holds
-        has_bits : a number behind a point names a bit
+        `kind_of` returns the kind of number that one holds; with `has_bits` a number behind a point names a bit.
         """
         numbers: dict[str, float] = {}
         for order in self.orders:
@@ -146,26 +151,30 @@ def read_layout(where: str, entry: Mapping[str, Any]) -> Layout | None:
 
 
 def _check(command: CommandMap) -> None:
-    ways = [name for name, given in (("line", command.line), ("topic", command.topic)) if given]
-    ways += ["layout"] if command.layout is not None else []
-    if len(ways) > 1 or not (ways or command.orders):
-        raise MapError("command must have either a line, a layout, or a topic; or set alone, for registers and nodes")
-    if ways == ["topic"] and not command.type:
-        raise MapError("command: topic needs its type, and set: which field is which of " + ", ".join(ORDERS))
-    if ways != ["line"] and not command.orders:
-        raise MapError(f"command: {ways[0]} needs set: which field is which of " + ", ".join(ORDERS))
-    if not 0.05 <= command.timeout <= 5.0:
-        raise MapError(f"command: timeout = {command.timeout:g} must be from 0.05 to 5 s")
-    if command.supervision != 0.0 and not 0.2 <= command.supervision <= 60.0:
-        raise MapError(f"command: supervision = {command.supervision:g} must be 0, or from 0.2 to 60 s")
-    if command.checksum not in ("", "xor"):
-        raise MapError(f"command: checksum = {command.checksum!r} must be xor, or be left out")
-    if ways == ["topic"]:
-        for order in command.orders:
+    """Raise MapError where the entries of a command contradict each other."""
+    given = {"line": command.line, "topic": command.topic, "layout": command.layout is not None}
+    ways = [name for name, is_given in given.items() if is_given]
+    which = "set: which field is which of " + ", ".join(ORDERS)
+    refuse(
+        "command",
+        (
+            len(ways) > 1 or not (ways or command.orders),
+            " must have either a line, a layout, or a topic; or set alone, for registers and nodes",
+        ),
+        (ways == ["topic"] and not command.type, f": topic needs its type, and {which}"),
+        (ways != ["line"] and not command.orders, f": {''.join(ways)} needs {which}"),
+        (command.checksum not in ("", "xor"), f": checksum = {command.checksum!r} must be xor, or be left out"),
+    )
+    refuse(
+        "command: ",
+        outside("timeout", command.timeout, 0.05, 5.0, " s"),
+        outside("supervision", command.supervision or 0.2, 0.2, 60.0, " s, or be 0"),
+    )
+    for order in command.orders:
+        if ways == ["topic"]:
             with placed(f"command: set: {order.path}"):
                 FieldPath(order.path)
-    if command.layout is not None:
-        for order in command.orders:
+        if command.layout is not None:
             refuse_unknown("command: set", {split_bit(order.path)[0]: None}, list(command.layout.fields))
     _check_line(command)
 

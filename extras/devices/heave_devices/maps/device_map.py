@@ -1,15 +1,14 @@
 """A map file: what a device says, where, in which unit and sign; for a live device and for its records alike.
 
 At its top level each quantity has its channel; the other entries say how the device is reached, how its lines are read,
-where the boom tip is from the sensor, and what is sent to a winch. What only a live device needs, a record ignores, and
-the other way round.
+where the boom tip is from the sensor, and what is sent to a winch.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +17,7 @@ from heave_node.files.given_files import read_given
 from heave_node.tick.clock_rule import LARGEST_LATENCY
 
 from heave_devices.formats.datagram import DATAGRAM, DatagramDecoder, Layout
+from heave_devices.formats.device_time import COUNTER_WRAP
 from heave_devices.formats.nmea import NmeaDecoder
 from heave_devices.formats.nmea_sentences import UNSIGNED
 from heave_devices.formats.number_kinds import split_bit, wrap_of
@@ -25,11 +25,21 @@ from heave_devices.formats.pattern import PatternDecoder
 from heave_devices.formats.registers import BIT_TABLES, WRITABLE, register_of
 from heave_devices.formats.sample import Decoder, Sample, TimeBase
 from heave_devices.formats.table import FORMATS, LINE
-from heave_devices.maps.channel import Channel, MapError, as_kind, placed, plain_entries, read_channel, refuse_unknown
+from heave_devices.maps.channel import (
+    Channel,
+    MapError,
+    as_kind,
+    outside,
+    placed,
+    plain_entries,
+    read_channel,
+    refuse,
+    refuse_unknown,
+)
 from heave_devices.maps.command_map import CommandMap, read_command, read_layout
 from heave_devices.maps.field_path import FieldPath
 from heave_devices.maps.link import Link, read_link
-from heave_devices.maps.quantities import NED_WAYS, QUANTITIES, outputs_of
+from heave_devices.maps.quantities import NED_WAYS, OUTPUTS, QUANTITIES
 
 CLOCKS = ("receipt", "own")
 FRAMES = ("ENU", "NED")
@@ -39,28 +49,17 @@ LONGEST_ARM = 300.0
 
 
 @dataclass(frozen=True)
-class RecordForm:
-    """What a record needs besides: see `heave_devices.records.sea_mapping.SeaMapping`."""
-
-    time_column: str | Sequence[str] = ""  # of a log in columns
-    time_scale: float = 1.0  # of a log in columns [s]
-    date_order: str = ""  # of a log in columns
-    rate: float = 20.0  # samples per second of the result [1/s]
-    sample_rate: float = 0.0  # of sentences without any time [Hz], live too: see `counted_time`; 0: they have one
-
-
-@dataclass(frozen=True)
 class DeviceMap:
-    """A map."""
+    """A map; what only a live device needs, a record ignores, and the other way round."""
 
-    name: str  # of the file, without its ending
     channels: Mapping[str, Channel]  # by quantity
+    name: str = "map"  # of the file, without its ending
     lever_arm: tuple[float, float, float] = (0.0, 0.0, 0.0)  # boom tip from the sensor, x forward, y to port, z up [m]
     link: Link | None = None  # how the device is reached; None: by the topics of its channels, or not live
     format: str = ""  # how its lines are read: see `formats`, `pattern`, `nmea`
-    pattern: str = ""  # how its lines are read: see `formats`, `pattern`, `nmea`
-    checksum: str = ""  # how its lines are read: see `formats`, `pattern`, `nmea`
-    needs_checksum: bool = True  # how its lines are read: see `formats`, `pattern`, `nmea`
+    pattern: str = ""  # see `pattern`
+    checksum: str = ""  # see `pattern`
+    needs_checksum: bool = True  # see `nmea`
     layout: Layout | None = None  # of its datagrams; None: it sends something else
     clock: str = "receipt"  # "receipt", or "own": the device's own time is the stamp
     timeout: float = 1.0  # silence after which the device is stale [s]
@@ -68,12 +67,17 @@ class DeviceMap:
     boom_tip: bool = True  # the map's MRU also moves the simulated boom tip
     boom_tip_height: float = 0.0  # of the boom tip at rest above still water [m]
     command: CommandMap | None = None  # what is sent to a winch; None: nothing
-    record: RecordForm = field(default_factory=RecordForm)  # what a record needs besides
+    # of a log in columns: heading of its time, or those of date and time or of GPS week and seconds; "": found by name
+    time_column: str | Sequence[str] = ""
+    time_scale: float = 1.0  # of a log in columns: numbers are seconds after it, or found out: see `ship_time`
+    date_order: str = ""  # of a log: dates with the year last, dmy or mdy; "": as the dates themselves show
+    rate: float = 20.0  # samples per second of the sea that is made of a record [1/s]
+    sample_rate: float = 0.0  # of sentences without any time [Hz], live too: see `counted_time`; 0: they have one
 
     @property
     def outputs(self) -> tuple[str, ...]:
         """Topics of the suite that it publishes."""
-        return outputs_of(self.channels)
+        return tuple(topic for topic, (needed, _) in OUTPUTS.items() if not self.channels.keys().isdisjoint(needed))
 
     @property
     def topics(self) -> dict[str, str]:
@@ -82,8 +86,10 @@ class DeviceMap:
 
     @property
     def counter_wrap(self) -> float:
-        """Time after which the counter of `device_time` begins again [s]; infinity: never."""
-        channel = self.channels["device_time"]
+        """Time after which its counter, that of `device_time` where it has one, begins again [s]; infinity: never."""
+        channel = self.channels.get("device_time")
+        if channel is None:
+            return COUNTER_WRAP
         kind = self.kind_of(channel.field)
         return wrap_of(kind) * channel.factor("device_time") if kind else math.inf
 
@@ -130,6 +136,42 @@ class DeviceMap:
         return FORMATS[self.format].make()
 
 
+class SampleField:
+    """Where the quantity of a `channel` of a map, `device`, is found in samples."""
+
+    def __init__(self, device: DeviceMap, channel: Channel) -> None:
+        self._channel = channel
+        self._device = device
+        sentence, _, name = channel.field.partition(".")
+        self._sentence, self._name = ("", channel.field) if device.has_names else (sentence, name)
+        self._valid = channel.valid if device.has_names else channel.valid.removeprefix(f"{sentence}.")
+
+    def is_in(self, sample: Sample) -> bool:
+        """Return whether a `sample` is of the sentence that it is in."""
+        return self._sentence in ("", sample.kind)
+
+    def is_invalid(self, sample: Sample) -> bool:
+        """Return whether a `sample` calls it invalid, or does not say so."""
+        place, _ = self._device.bit_of(self._name)
+        if place in sample.invalid:
+            return True
+        if not self._valid:
+            return False
+        status = self._number(sample, self._valid)
+        word = sample.words.get(self._valid)
+        return not self._channel.is_valid(status if word is None else word)
+
+    def number(self, sample: Sample) -> float | None:
+        """Return what a `sample` holds of it, as sent, with the sign of its letter; None: nothing."""
+        is_there = self._device.bit_of(self._name)[0] in sample.values
+        return self._channel.signed(self._number(sample, self._name), sample.words) if is_there else None
+
+    def _number(self, sample: Sample, name: str) -> float:
+        place, bit = self._device.bit_of(name)
+        value = sample.values.get(place, math.nan)
+        return float(int(value) >> bit & 1) if bit is not None and math.isfinite(value) else value
+
+
 def read_device_map(path: Path) -> DeviceMap:
     """Read the map file at `path` (YAML). Raises MapError, in one line, with the file and the entry that is wrong."""
     try:
@@ -144,9 +186,8 @@ def device_map_of(name: str, content: Any) -> DeviceMap:
     """Return the map called `name` with the `content` of a file. Raises MapError for what cannot be."""
     if not isinstance(content, dict):
         raise MapError("is no map: its lines are QUANTITY: where it is found, as in heave: {column: heave}")
-    own = [known.name for known in fields(DeviceMap) if known.name not in ("name", "channels", "link", "record")]
-    of_record = [known.name for known in fields(RecordForm)]
-    refuse_unknown("", content, [*QUANTITIES, "source", "frame", "byte_order", *own, *of_record])
+    own = [known.name for known in fields(DeviceMap) if known.name not in ("name", "channels", "link")]
+    refuse_unknown("", content, [*QUANTITIES, "source", "frame", "byte_order", *own])
     frame = content.get("frame", "ENU")
     if frame not in FRAMES:
         raise MapError(f"frame = {frame!r} must be one of {', '.join(FRAMES)}")
@@ -162,8 +203,7 @@ def device_map_of(name: str, content: Any) -> DeviceMap:
     values["command"] = read_command(values.get("command"))
     values["lever_arm"] = _arm(values.get("lever_arm", (0.0, 0.0, 0.0)))
     values |= plain_entries(DeviceMap, "", values)
-    record = _record({entry: content[entry] for entry in of_record if entry in content})
-    device = DeviceMap(name, channels, link=read_link("source", content.get("source")), record=record, **values)
+    device = DeviceMap(channels, name, link=read_link("source", content.get("source")), **values)
     _check(device)
     return device
 
@@ -177,57 +217,55 @@ def _arm(entry: Any) -> tuple[float, float, float]:
     return x, y, z
 
 
-def _record(entries: dict[str, Any]) -> RecordForm:
-    columns = entries.get("time_column", "")
-    if not isinstance(columns, str) and not (isinstance(columns, list) and all(isinstance(c, str) for c in columns)):
-        raise MapError(f"time_column = {columns!r} must be a heading, or a list of headings")
-    record = RecordForm(**{**entries, **plain_entries(RecordForm, "", entries)})
-    if not record.rate > 0.0 or not record.sample_rate >= 0.0:
-        raise MapError("rate must be above 0, sample_rate not below")
-    return record
-
-
 def _check(device: DeviceMap) -> None:
     """Raise MapError where the entries of a map contradict each other."""
-    if device.clock not in CLOCKS:
-        raise MapError(f"clock = {device.clock!r} must be one of {', '.join(CLOCKS)}")
-    if not device.outputs:
-        raise MapError(
-            "heave is missing: give its topic and field, or its column; or another of pressure, tension, payout"
-        )
-    if device.format and device.format not in _FORMATS:
-        raise MapError(f"format = {device.format!r} must be one of {', '.join(_FORMATS)}")
-    if bool(device.pattern) != (device.format == LINE):
-        raise MapError(f"pattern belongs to format: {LINE}, and {LINE} needs it")
-    if (device.layout is not None) != (device.format == DATAGRAM):
-        raise MapError(f"layout belongs to format: {DATAGRAM}, and {DATAGRAM} needs it")
-    _check_live(device)
+    columns = [device.time_column] if isinstance(device.time_column, str) else device.time_column
+    is_headings = isinstance(columns, list) and all(isinstance(column, str) for column in columns)
+    quantities = device.channels.items()
+    wrong = next((name for name, channel in quantities if channel.acceleration and channel.type), None)
+    command = device.command
+    has_way = command is not None and (command.line or command.topic or command.layout)
+    refuse(
+        "",
+        (device.clock not in CLOCKS, f"clock = {device.clock!r} must be one of {', '.join(CLOCKS)}"),
+        (not is_headings, f"time_column = {columns!r} must be a heading, or a list of headings"),
+        (not device.rate > 0.0 or not device.sample_rate >= 0.0, "rate must be above 0, sample_rate not below"),
+        (
+            not device.outputs,
+            "heave is missing: give its topic and field, or its column; or another of pressure, tension, payout",
+        ),
+        (
+            device.format and device.format not in _FORMATS,
+            f"format = {device.format!r} must be one of {', '.join(_FORMATS)}",
+        ),
+        (
+            bool(device.pattern) != (device.format == LINE),
+            f"pattern belongs to format: {LINE}, and {LINE} needs it",
+        ),
+        (
+            (device.layout is not None) != (device.format == DATAGRAM),
+            f"layout belongs to format: {DATAGRAM}, and {DATAGRAM} needs it",
+        ),
+        outside("timeout", device.timeout, 0.05, 60.0, " s"),
+        outside("latency", device.latency, 0.0, LARGEST_LATENCY, " s"),
+        (wrong, f"{wrong}: of an acceleration alone no live {wrong} can be made: give it, or its velocity"),
+        (
+            command is not None and not has_way and not device.is_polled,
+            "command: set alone is for a source by modbus or opcua: add a line, a layout, or a topic",
+        ),
+    )
     if device.is_polled:
         _check_polled(device)
-        return
-    command = device.command
-    if command is not None and not (command.line or command.topic or command.layout):
-        raise MapError("command: set alone is for a source by modbus or opcua: add a line, a layout, or a topic")
-    if device.format:
+    elif device.format:
         _check_fields(device)
     else:
-        for quantity, channel in device.channels.items():
-            if not channel.topic and not channel.column:
-                raise MapError(
-                    f"{quantity} needs either a topic or a column, or the map a format: {', '.join(_FORMATS)}"
-                )
+        for quantity, channel in quantities:
+            is_found = channel.topic or channel.column
+            formats = ", ".join(_FORMATS)
+            refuse(f"{quantity} ", (not is_found, f"needs either a topic or a column, or the map a format: {formats}"))
             with placed(quantity):
                 paths = (channel.field, channel.valid, channel.turned_by)
                 _ = [FieldPath(path) for path in paths if path and channel.topic]
-
-
-def _check_live(device: DeviceMap) -> None:
-    for name, least, most in (("timeout", 0.05, 60.0), ("latency", 0.0, LARGEST_LATENCY)):
-        if not least <= getattr(device, name) <= most:
-            raise MapError(f"{name} = {getattr(device, name):g} must be from {least:g} to {most:g} s")
-    wrong = next((name for name, channel in device.channels.items() if channel.acceleration and channel.type), None)
-    if wrong is not None:
-        raise MapError(f"{wrong}: of an acceleration alone no live {wrong} can be made: give it, or its velocity")
 
 
 def _check_polled(device: DeviceMap) -> None:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from ipaddress import ip_address
 from typing import Any
 
-from heave_devices.maps.channel import MapError, as_kind, refuse_unknown
+from heave_devices.maps.channel import MapError, as_kind, outside, refuse, refuse_unknown
 
 LOOPBACK = "127.0.0.1"
 POLLED = ("modbus", "opcua")
@@ -55,7 +55,7 @@ def read_link(where: str, entry: Any) -> Link | None:
     (kind,) = given
     if kind == "serial":
         refuse_unknown(where, entry, ("serial", "baud"))
-        baud = _whole(f"{where}: baud", entry.get("baud", 9600), 50, 4_000_000)
+        baud = _number(where, entry, "baud", 9600, (50, 4_000_000))
         return Link("serial", as_kind(str, f"{where}: serial", entry["serial"]), baud)
     if kind == "opcua":
         return _opcua(where, entry)
@@ -70,7 +70,7 @@ def read_link(where: str, entry: Any) -> Link | None:
     order = entry.get("word_order", "big")
     if order not in ("big", "little"):
         raise MapError(f"{where}: word_order = {order!r} must be big or little")
-    unit = _whole(f"{where}: unit", entry.get("unit", 1), 0, 255)
+    unit = _number(where, entry, "unit", 1, (0, 255))
     return Link(kind, place, number, unit=unit, word_order=order, period=_period(where, entry))
 
 
@@ -92,15 +92,12 @@ def _address(where: str, entry: Any) -> str:
         raise MapError(f"{where}: from = {text!r} must be the address of a host, such as 192.168.1.20") from None
 
 
-def _whole(where: str, value: Any, lowest: int, highest: int) -> int:
-    number = as_kind(int, where, value)
-    if not lowest <= number <= highest:
-        raise MapError(f"{where} = {number} must be from {lowest} to {highest}")
-    return int(number)
+def _number(where: str, entry: Any, name: str, usual: float, limits: tuple[float, float], unit: str = "") -> Any:
+    """Return the number `name` of an `entry`, of the kind of the `usual` one. Raises MapError beyond its `limits`."""
+    value = as_kind(type(usual), f"{where}: {name}", entry.get(name, usual))
+    refuse(f"{where}: ", outside(name, value, *limits, unit))
+    return value
 
 
 def _period(where: str, entry: Any) -> float:
-    period = as_kind(float, f"{where}: period", entry.get("period", 0.02))
-    if not 0.002 <= period <= 1.0:
-        raise MapError(f"{where}: period = {period:g} must be from 0.002 to 1 s")
-    return float(period)
+    return float(_number(where, entry, "period", 0.02, (0.002, 1.0), " s"))

@@ -76,12 +76,7 @@ OUTPUTS: Mapping[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
     "mru": (("heave",), ("heave_rate", "heave_acceleration", "roll", "pitch", "roll_rate", "pitch_rate")),
     "unit/pressure": (("pressure",), ()),
     "winch/load_cell": (("tension",), ()),
-    "winch/state": (("payout",), ("payout_rate", "tension", "brake", "fault", "watchdog")),
+    "winch/state": (("payout",), ("payout_rate", "tension", "brake", "fault")),
     "crane/pose": (JOINTS, RATES),
 }
 """Topics of the suite: quantities of which one makes it be published, and those that it takes besides."""
-
-
-def outputs_of(quantities: Mapping[str, object]) -> tuple[str, ...]:
-    """Return the topics that a map with these `quantities` publishes."""
-    return tuple(topic for topic, (needed, _) in OUTPUTS.items() if not quantities.keys().isdisjoint(needed))

@@ -16,9 +16,8 @@ from heave_node.numerics.arrays import Array
 from heave_devices.formats.device_time import DeviceTime
 from heave_devices.formats.sample import Counters, Decoder, Sample
 from heave_devices.formats.table import FORMATS, LINE
-from heave_devices.maps.device_map import DeviceMap
+from heave_devices.maps.device_map import DeviceMap, SampleField
 from heave_devices.maps.quantities import QUANTITIES
-from heave_devices.maps.sample_field import SampleField
 from heave_devices.records.sample_checks import Findings
 from heave_devices.records.ship_time import TimeError, time_of_texts
 
@@ -70,7 +69,7 @@ def device_signals(source: Path, device: DeviceMap, wanted: Sequence[str], findi
 def _read(data: bytes, device: DeviceMap, decoder: Decoder) -> _Record:
     """Read a whole log."""
     record = _Record()
-    clock = DeviceTime(device.counter_wrap) if "device_time" in device.channels else DeviceTime()
+    clock = DeviceTime(device.counter_wrap)
     is_text = device.format == LINE or (device.layout is None and FORMATS[device.format].is_text)
     size = _PIECE if device.layout is None else device.layout.size
     pieces = data.splitlines() if is_text else [data[at : at + size] for at in range(0, len(data), size)]
@@ -109,7 +108,7 @@ def _times(source: Path, device: DeviceMap, record: _Record, places: Sequence[in
         return own
     if has_stamps:
         try:
-            time, words = time_of_texts(stamps, device.record.date_order)
+            time, words = time_of_texts(stamps, device.date_order)
         except TimeError as error:
             raise BagError(f"{source}: the stamp before a sentence: {error}") from error
         findings.notes += [note for note in words if note not in findings.notes]
@@ -119,8 +118,8 @@ def _times(source: Path, device: DeviceMap, record: _Record, places: Sequence[in
         at = [record.lines[index] for index in zda]
         findings.notes.append(f"time: by {len(zda)} sentences ZDA, evenly between them")
         return np.interp([record.lines[place] for place in places], at, [record.times[index] for index in zda])
-    if device.record.sample_rate > 0.0:
-        return np.arange(len(places)) / device.record.sample_rate
+    if device.sample_rate > 0.0:
+        return np.arange(len(places)) / device.sample_rate
     raise BagError(f"{source}: has no time: {_why_no_time(device, record)}")
 
 

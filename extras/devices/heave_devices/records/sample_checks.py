@@ -11,7 +11,7 @@ from heave_node.files.plausible import PLAUSIBLE, question
 from heave_node.numerics.arrays import Array
 from numpy.typing import NDArray
 
-from heave_devices.formats.fill_values import is_fill
+from heave_devices.formats.number_kinds import is_fill
 from heave_devices.records.ship_time import time_words
 from heave_devices.records.stretches import LONGEST_BRIDGE
 
@@ -98,15 +98,12 @@ def _without(name: str, signal: Signal, fill: NDArray[np.bool_], findings: Findi
     words = " and ".join(f"{value:g}" for value in np.unique(signal.value[fill]))
     at = time_words(signal.time[int(np.argmax(fill))])
     found = f"{name}: {int(fill.sum())} samples of {words}, the first at {at}"
-    if findings.accepts:
-        findings.notes.append(f"{found}, are fill values?")
-        return signal
-    findings.notes.append(f"{found}, taken as fill values")
-    return Signal(signal.time[~fill], signal.value[~fill])
+    findings.notes.append(f"{found}, {'are fill values?' if findings.accepts else 'taken as fill values'}")
+    return signal if findings.accepts else Signal(signal.time[~fill], signal.value[~fill])
 
 
 def _is_mark(value: float) -> bool:
-    """Return whether a value stands for none by custom: nines alone, one of `fill_values`, or huge."""
+    """Return whether a value stands for none by custom: nines alone, one of `is_fill`, or huge."""
     digits = f"{abs(value):.6g}".replace(".", "")
     return abs(value) >= 1e19 or is_fill(value) or (len(digits) > 1 and set(digits) == {"9"})
 
@@ -131,10 +128,9 @@ def without_standstill(name: str, signal: Signal, findings: Findings) -> Signal:
         f"{name}: stands still at {signal.value[starts[longest]]:g} {times}for {lasted[longest]:.1f} s from "
         f"{time_words(signal.time[starts[longest]])}"
     )
+    findings.notes.append(text if findings.accepts else f"{text}: taken as a gap")
     if findings.accepts:
-        findings.notes.append(text)
         return signal
-    findings.notes.append(f"{text}: taken as a gap")
     kept = np.ones(signal.size, dtype=bool)
     for run in stuck:
         kept[starts[run] + 1 : ends[run] + 1] = False

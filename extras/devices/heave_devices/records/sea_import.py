@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from bisect import bisect_left
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
@@ -24,11 +24,13 @@ from heave_node.numerics.kinematics import euler_part, turned
 from heave_node.numerics.spectral_estimate import RecordTooShortError, height_and_period
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
+from scipy.spatial.transform import Rotation
 
 from heave_devices.maps.channel import Channel, with_standard_frame
+from heave_devices.maps.device_map import DeviceMap
 from heave_devices.records.device_log import device_signals
 from heave_devices.records.sample_checks import Findings, without_fill, without_marks, without_standstill
-from heave_devices.records.sea_mapping import MOTIONS, SeaMapping, mapping_for_topic
+from heave_devices.records.sea_mapping import MOTIONS, mapping_for_topic
 from heave_devices.records.ship_log import ShipLog, is_text
 from heave_devices.records.ship_time import time_words
 from heave_devices.records.stretches import Window, longest_stretch
@@ -49,7 +51,7 @@ class ImportedSea:
 
 
 def import_sea(
-    source: Path, mapping: SeaMapping | str, window: Window = WHOLE, *, accept_implausible: bool = False
+    source: Path, mapping: DeviceMap | str, window: Window = WHOLE, *, accept_implausible: bool = False
 ) -> ImportedSea:
     """Read a bag or a log as boom-tip motion: the longest stretch without a gap that is too long.
 
@@ -71,7 +73,9 @@ def import_sea(
             ShipLog(source)
             raise BagError(f"{source}: is a log in columns, not a bag: give --column or --mapping")
         mapping = mapping_for_topic(Bag(source), mapping)
-    checked = record_channels(source, mapping, findings)
+    if "heave" not in mapping.channels:
+        raise BagError(f"{mapping.name}: heave is missing: give its topic and field, or its column")
+    checked = record_channels(source, mapping, MOTIONS, findings)
     interval = float(np.median(np.diff(checked["heave"].time)))
     if interval > window.bridge or interval < PLAUSIBLE["sample interval"].least:
         findings.ask(question("sample interval", interval, "time") + " give the size of its unit by --time-scale")
@@ -95,26 +99,30 @@ def import_sea(
     return sea
 
 
-def record_channels(source: Path, mapping: SeaMapping, findings: Findings) -> dict[str, Signal]:
+def record_channels(
+    source: Path, mapping: DeviceMap, quantities: Sequence[str], findings: Findings
+) -> dict[str, Signal]:
     """Return the channels of a record by name, in SI units and the suite's signs, usable samples alone.
 
     Parameters
     ----------
     source : bag, log in columns, or what a device sent
     mapping : where each is found
+    quantities : that are wanted, as far as the mapping has them
     findings : takes what is said and asked
 
     Raises BagError where something named is missing, or has fewer than 10 usable samples.
     """
-    if mapping.device is not None:
-        signals = device_signals(source, mapping.device, list(mapping.channels), findings)
+    channels = {name: mapping.channels[name] for name in quantities if name in mapping.channels}
+    if mapping.format:
+        signals = device_signals(source, mapping, list(channels), findings)
     elif is_text(source):
-        signals = _log_signals(source, mapping, findings)
+        signals = _log_signals(source, mapping, channels, findings)
     else:
         bag = Bag(source)
-        mapping = _with_standard_frames(bag, mapping)
-        signals = _bag_signals(bag, mapping, findings)
-    return {name: _checked(source, name, signal, mapping, findings) for name, signal in signals.items()}
+        channels = _with_standard_frames(bag, channels)
+        signals = _bag_signals(bag, channels, findings)
+    return {name: _checked(source, name, signal, channels[name], findings) for name, signal in signals.items()}
 
 
 def _refuse(source: Path, findings: Findings) -> None:
@@ -144,32 +152,22 @@ def boom_tip_motion(motions: Mapping[str, Array], lever_arm: Sequence[float], co
     Rotation by roll (starboard down positive, about x forward), then pitch (bow down positive, about y to port):
     REP-103. `motions` has each degree of freedom by name, `count` samples [m], [rad].
     """
-    none = np.zeros(count)
-    roll, pitch = motions.get("roll", none), motions.get("pitch", none)
-    x, y, z = lever_arm
-    y_rolled = y * np.cos(roll) - z * np.sin(roll)
-    z_rolled = y * np.sin(roll) + z * np.cos(roll)
-    return np.column_stack(
-        (
-            motions.get("surge", none) + x * np.cos(pitch) + z_rolled * np.sin(pitch),
-            motions.get("sway", none) + y_rolled,
-            motions["heave"] - x * np.sin(pitch) + z_rolled * np.cos(pitch),
-        )
-    )
+    surge, sway, heave, roll, pitch = (motions.get(name, np.zeros(count)) for name in MOTIONS)
+    turn = Rotation.from_euler("xy", np.column_stack((roll, pitch)))
+    position: Array = np.column_stack((surge, sway, heave)) + turn.apply(lever_arm)
+    return position
 
 
-def _with_standard_frames(bag: Bag, mapping: SeaMapping) -> SeaMapping:
-    """Return a `mapping` of a `bag` with the frames that its types have; raise BagError where a topic is not named."""
-    channels = {}
-    for name, channel in mapping.channels.items():
-        if not channel.topic:
-            raise BagError(f"{bag.path}: {name} names a column, but this is a bag: name a topic")
-        channels[name] = with_standard_frame(channel, bag.topics[bag.resolve(channel.topic)].type)
-    return replace(mapping, channels=channels)
+def _with_standard_frames(bag: Bag, channels: Mapping[str, Channel]) -> dict[str, Channel]:
+    """Return `channels` of a `bag` in the frames that its types have; raise BagError where a topic is not named."""
+    column = next((name for name, channel in channels.items() if not channel.topic), None)
+    if column is not None:
+        raise BagError(f"{bag.path}: {column} names a column, but this is a bag: name a topic")
+    types = {name: bag.topics[bag.resolve(channel.topic)].type for name, channel in channels.items()}
+    return {name: with_standard_frame(channel, types[name]) for name, channel in channels.items()}
 
 
-def _bag_signals(bag: Bag, mapping: SeaMapping, findings: Findings) -> dict[str, Signal]:
-    channels = mapping.channels
+def _bag_signals(bag: Bag, channels: Mapping[str, Channel], findings: Findings) -> dict[str, Signal]:
     wanted: dict[str, set[str]] = {}
     for channel in channels.values():
         wanted.setdefault(channel.topic, set()).update({*_fields(channel), *_validity_names(channel)})
@@ -226,12 +224,14 @@ def _validity_names(channel: Channel) -> tuple[str, ...]:
     return (channel.valid,) if channel.valid else (f"{own}_valid", "valid")
 
 
-def _log_signals(source: Path, mapping: SeaMapping, findings: Findings) -> dict[str, Signal]:
+def _log_signals(
+    source: Path, mapping: DeviceMap, channels: Mapping[str, Channel], findings: Findings
+) -> dict[str, Signal]:
     log = ShipLog(source)
     time, words = log.time(mapping.time_column, mapping.time_scale, mapping.date_order)
     findings.notes += log.notes + words
     signals = {}
-    for name, channel in mapping.channels.items():
+    for name, channel in channels.items():
         if not channel.column:
             raise BagError(f"{source}: {name} names a topic, but this is a log: name a column")
         value = log.numbers(channel.column, name)
@@ -247,9 +247,8 @@ def _log_signals(source: Path, mapping: SeaMapping, findings: Findings) -> dict[
     return signals
 
 
-def _checked(source: Path, name: str, signal: Signal, mapping: SeaMapping, findings: Findings) -> Signal:
+def _checked(source: Path, name: str, signal: Signal, channel: Channel, findings: Findings) -> Signal:
     """Return the usable samples of a channel, in metres or radians, in order of time."""
-    channel = mapping.channels[name]
     good = np.isfinite(signal.value) & np.isfinite(signal.time) & ~np.isin(signal.value, channel.invalid_values)
     numbers = without_marks(name, Signal(signal.time[good], signal.value[good]), findings)
     time, value = numbers.time, channel.factor(name) * numbers.value + channel.offset

@@ -52,9 +52,7 @@ class TimeError(ValueError):
 def unix_time(text: str) -> float:
     """Return the Unix time of a date and time [s]; NaN where `text` is none. Without a zone it is UTC.
 
-    Parameters
-    ----------
-    text : ISO 8601, or a date with its year last whose parts are parted by points, day first
+    The form is ISO 8601, or a date with its year last whose parts are parted by points, day first.
     """
     found = _TEXT.fullmatch(text.strip())
     day = _midnight(found, order="") if found else None
@@ -232,12 +230,7 @@ HOUR = 3600.0
 
 
 def unwrapped(time: Array) -> tuple[Array, list[str]]:
-    """Return times of the day or of the week with the turns at their ends taken out, and what was found.
-
-    Parameters
-    ----------
-    time : [s], shape (n,); NaN where there is none
-    """
+    """Return each `time` [s] of the day or the week, NaN: none, without the turns at its end, and what was found."""
     good = np.flatnonzero(np.isfinite(time))
     steps = np.diff(time[good])
     for period, name in ((DAY, "midnight"), (WEEK, "the end of the week")):
@@ -269,11 +262,9 @@ def is_gps(week: Array, second: Array) -> bool:
 
 
 def counted_on(time: Array) -> tuple[Array, list[str]]:
-    """Return times in which an hour that comes twice, as summer time ends, is counted on, and what was found.
+    """Return each `time` [s], NaN: none, with an hour that comes twice counted on, and what was found.
 
-    Parameters
-    ----------
-    time : [s], shape (n,); NaN where there is none. It goes back once, by an hour less a usual step
+    As summer time ends, it goes back once, by an hour less a usual step.
     """
     good = np.flatnonzero(np.isfinite(time))
     steps = np.diff(time[good])
@@ -289,12 +280,7 @@ def counted_on(time: Array) -> tuple[Array, list[str]]:
 
 
 def spread(time: Array) -> tuple[Array, list[str]]:
-    """Return times in which rows that share a stamp are spread evenly to the next one, and what was done.
-
-    Parameters
-    ----------
-    time : [s], shape (n,); stamps of, say, whole seconds with ten rows each
-    """
+    """Return each `time` [s], such as ten rows on each second, spread evenly to the next, and what was done."""
     good = np.flatnonzero(np.isfinite(time))
     if good.size < 10:
         return time, []

@@ -36,15 +36,10 @@ class Window:
 
 
 def longest_stretch(signals: Mapping[str, Signal], window: Window, notes: list[str]) -> tuple[float, float]:
-    """Return start and end of the longest time in which every signal is there [s].
+    """Return start and end of the longest time in a `window` in which all `signals`, by name, are there [s].
 
-    Parameters
-    ----------
-    signals : by name, in order of time
-    window : in which to look, and what counts as a gap
-    notes : takes what is said of gaps
-
-    Raises BagError for a window that the record does not reach, or a time that is none.
+    What is said of gaps goes into the `notes`. Raises BagError for a window that the record does not reach, or a time
+    that is none.
     """
     first = max(signal.time[0] for signal in signals.values())
     last = min(signal.time[-1] for signal in signals.values())

@@ -22,10 +22,10 @@ from heave_bringup.scenarios import Scenario, load_scenario
 from heave_bringup.settings import Setting, make_setting
 from heave_devices.bench.set_signal import Event, WinchTest
 from heave_devices.bench.winch import Trace
-from heave_devices.maps.channel import Channel
+from heave_devices.maps.device_map import device_map_of
 from heave_devices.records.sample_checks import Findings
 from heave_devices.records.sea_import import record_channels
-from heave_devices.records.sea_mapping import SeaMapping, read_mapping
+from heave_devices.records.sea_mapping import read_mapping
 from heave_devices.records.ship_log import is_text
 from heave_msgs.msg import TickStatus
 from heave_node.interface import topics
@@ -167,12 +167,9 @@ def readings_of(path: Path) -> dict[str, Signal]:
 
 QUANTITIES = ("heave", "payout", "payout_rate", "ordered_rate", "unit_heave", "tension", "pressure")
 """Quantities of a map that are used: heave of the boom tip, those of the winch, heave of the unit, pressure at it."""
-OWN = SeaMapping(
-    {
-        name: Channel(column=column)
-        for name, column in zip(("ordered_rate", "payout", "payout_rate"), Trace.HEADER[1:4], strict=True)
-    },
-    time_column=Trace.HEADER[0],
+_COLUMNS = dict(zip(("ordered_rate", "payout", "payout_rate"), Trace.HEADER[1:4], strict=True))
+OWN = device_map_of(
+    "winch", {"time_column": Trace.HEADER[0], **{name: {"column": column} for name, column in _COLUMNS.items()}}
 )
 """Map of what a test of a winch leaves."""
 
@@ -206,8 +203,8 @@ class ForeignRecord:
             return
         self._is_of_winch = mapping is None
         findings = Findings(accepts=True)
-        found = OWN if mapping is None else read_mapping(mapping, QUANTITIES)
-        self._signals = record_channels(self.source, found, findings)
+        found = OWN if mapping is None else read_mapping(mapping)
+        self._signals = record_channels(self.source, found, QUANTITIES, findings)
         self.notes = findings.notes
 
     def measured(self, step: Step, nominal: Nominal) -> Measured:

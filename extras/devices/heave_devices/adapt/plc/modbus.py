@@ -29,13 +29,7 @@ _EXCEPTIONS = {
 
 
 class ModbusExchange:
-    """The registers of one PLC.
-
-    Parameters
-    ----------
-    link : of the map
-    fields, orders : names of registers that are read, and written
-    """
+    """The registers of one PLC behind a `link`: `fields` are read, `orders` written."""
 
     def __init__(self, link: Link, fields: Iterable[str], orders: Iterable[str]) -> None:
         self._link = link

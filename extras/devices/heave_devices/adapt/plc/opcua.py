@@ -27,12 +27,9 @@ _KINDS = {
 
 
 class OpcUaExchange:
-    """The nodes of one server, without a user's name and without encryption.
+    """The nodes of one server, without a user's name and without encryption: `fields` are read, `orders` written.
 
-    Parameters
-    ----------
-    link : of the map
-    fields, orders : node identifiers, such as ns=2;s=Winch.Payout, that are read, and written
+    A node is named by its identifier, such as ns=2;s=Winch.Payout.
     """
 
     def __init__(self, link: Link, fields: Iterable[str], orders: Iterable[str]) -> None:

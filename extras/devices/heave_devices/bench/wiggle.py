@@ -1,4 +1,6 @@
-"""A move of millimetres that shows whether units and signs of a winch's map are right: out, a rest, and back.
+"""`heave adapt MAP --wiggle MM`: a move of millimetres shows whether units and signs of a winch's map are right.
+
+It goes out, rests, and comes back.
 
 The speed of a move of length d in a time T is (d / T) (1 - cos(2 pi t / T)): it begins and ends at rest, and its
 largest value is 2 d / T. What is compared are places of the drum at rest, so that lag and dead time do not count.
@@ -8,9 +10,17 @@ from __future__ import annotations
 
 import math
 import statistics
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from itertools import pairwise
 from typing import NamedTuple
+
+from heave_bringup.errors import CommandError
+from heave_node.parameters import ParameterError
+
+from heave_devices.adapt.device import LiveDevice
+from heave_devices.bench.real_winch import RealPart, is_winch, words_of
+from heave_devices.bench.winch import release
+from heave_devices.maps.device_map import DeviceMap
 
 MOVE_TIME = 4.0
 """Duration of a move one way [s]."""
@@ -43,12 +53,9 @@ class Verdict(NamedTuple):
 
 
 def move_at(time: float, distance: float) -> tuple[float, float]:
-    """Return payout from the start [m] and its rate [m/s] that are commanded.
+    """Return payout from the start [m] and its rate [m/s] that are commanded a `time` [s] after it.
 
-    Parameters
-    ----------
-    time : since the wiggle began [s]
-    distance : of the move, positive out [m]
+    The move goes a `distance` [m], positive out.
     """
     since = time - REST_TIME
     if since <= 0.0:
@@ -113,3 +120,47 @@ def _compare(what: str, found: float, wanted: float) -> Verdict:
     if abs(ratio) < _SHARE:
         return Verdict(what, False, f"{words}: it hardly moved. Check enable, unit and scale of the command")
     return Verdict(what, False, f"{words}: {ratio:.3g} times. Check unit and scale, in the quantity and in the command")
+
+
+def check_wiggle(maps: Sequence[DeviceMap], distance: float) -> None:
+    """Raise ParameterError where `maps` are not one winch, or the `distance` [m] is none of a wiggle."""
+    if len(maps) != 1 or not is_winch(maps[0]):
+        raise ParameterError("--wiggle: name the map of one winch, with payout and command")
+    if not LEAST <= distance <= LARGEST:
+        raise ParameterError(f"--wiggle {1e3 * distance:g}: must be from {1e3 * LEAST:g} to {1e3 * LARGEST:g} mm")
+
+
+def wiggle(device: LiveDevice, spin: Callable[[float], None], distance: float) -> list[Verdict]:
+    """Move a live winch, `device`, by a `distance` [m] and back; return what was found. At the end it is braked.
+
+    `spin` serves the topics of ROS for a time [s]. Raises CommandError where it does not speak, keeps its brake on, or
+    runs away.
+    """
+    part = RealPart(device, spin, lambda _: None)
+    was_tripped = bool(device.adapter.newest.get("fault", 0.0))
+    try:
+        readings = _move(device, part, distance)
+    finally:
+        part.step(0.0, 0.0, brake=True)
+    command = device.device.command
+    resets = command is not None and any(order.quantity == "reset" for order in command.orders)
+    return judge(readings, distance) + ([reset_verdict(was_tripped=was_tripped)] if resets else [])
+
+
+def _move(device: LiveDevice, part: RealPart, distance: float) -> list[Reading]:
+    name = device.device.name
+    try:
+        sample = start = release(part, name)
+    except CommandError:
+        raise CommandError(f"{name}: {words_of(device, 'its brake stays on')}") from None
+    readings = []
+    while (elapsed := sample.time - start.time) < DURATION:
+        readings.append(Reading(elapsed, sample.payout, sample.rate))
+        moved, rate = move_at(elapsed, distance)
+        sample = part.step(start.payout + moved, rate, brake=False)
+        if sample.brake or sample.fault:
+            raise CommandError(f"{name}: stopped by itself: {words_of(device)}")
+        if is_too_far(sample.payout, start.payout, distance):
+            found = f"{1e3 * (sample.payout - start.payout):+.1f} mm read, {1e3 * distance:.1f} mm wanted"
+            raise CommandError(f"{name}: braked: {found}. Check unit and scale, in the quantity and in the command")
+    return readings
