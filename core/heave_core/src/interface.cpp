@@ -131,10 +131,8 @@ void heave_core_follow_plan(const heave::ActiveWinch *winch, const heave::Law *l
     heave::follow_plan(*winch, *law, *problem, *state);
 }
 
-// The command of a tick: the problem is posed, the law is asked, the command is made. What Python is asked for first is
-// returned; it then puts what it found into `asked` and calls `heave_core_make`.
-// The acting half of a tick, on addresses that Python fills once: the command, for which Python may be asked first, as above,
-// and the order that leaves. The place of a speed; what is watched of the load.
+// The acting half of a tick, on addresses that Python fills once: the problem is posed, the law is asked, the command is made
+// and the order leaves. What Python is asked for first is returned; it puts what it found into `asked` and calls the next part.
 int heave_core_act_tick(const heave::Acting *on) { return heave::act(*on); }
 
 void heave_core_act_pose(const heave::Acting *on) { heave::pose(*on); }
