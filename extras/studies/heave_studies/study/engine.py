@@ -137,7 +137,8 @@ def _saying_what_is_kept(journal: Journal, results: Mapping[int, Plain]) -> Iter
     except BaseException:
         if results:
             kept = _settled(results.values())
-            sys.stderr.write(f"heave: {kept} cases are kept in {journal.path}: the same command goes on there\n")
+            cases = "1 case is" if kept == 1 else f"{kept} cases are"
+            sys.stderr.write(f"heave: {cases} kept in {journal.path}: the same command goes on there\n")
         raise
 
 
