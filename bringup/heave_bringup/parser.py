@@ -74,9 +74,9 @@ class OneLineParser(argparse.ArgumentParser):
         return options, unknown
 
     def _refusal(self, unknown: list[str]) -> str:
-        known = [option for action in self._actions for option in action.option_strings]
-        near = difflib.get_close_matches(unknown[0].partition("=")[0], known, n=1)
-        hint = f"; did you mean {near[0]}?" if near else ""
+        known = {option.lstrip("-"): option for action in self._actions for option in action.option_strings}
+        near = difflib.get_close_matches(unknown[0].partition("=")[0].lstrip("-"), known, n=1)
+        hint = f"; did you mean {known[near[0]]}?" if near else ""
         return f"unrecognized arguments: {' '.join(unknown)}{hint}"
 
     def _check_value(self, action: argparse.Action, value: Any) -> None:
