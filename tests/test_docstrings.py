@@ -223,7 +223,7 @@ def faults_of(item: Documented) -> list[str]:
             for name in item.arguments
             if not re.search(rf"\b{name}\b", item.text) and f"`{name}`" not in item.common
         ]
-    missing = [name for name in item.arguments if name not in names and f"`{name}`" not in item.common]
+    missing = [name for name in item.arguments if name not in names and f"`{name}`" not in (item.text + item.common)]
     foreign = [name for name in names if name not in (*item.arguments, *item.others)]
     twice = sorted({name for name in names if names.count(name) > 1})
     return (

@@ -87,7 +87,7 @@ def ask(event: Event) -> None:
 
 
 def words_of(device: LiveDevice, otherwise: str = "") -> str:
-    """Return in words why a winch does not move; `otherwise` where it is heard and has no problem."""
+    """Return in words why a winch, `device`, does not move; `otherwise` where it is heard and has no problem."""
     is_heard = otherwise and not device.adapter.watch.is_stale(time.monotonic())
     return device.problem or (otherwise if is_heard else stale_words(device, time.monotonic()))
 

@@ -62,7 +62,7 @@ class WinchPart(Protocol):
 
 
 class VirtualPart:
-    """The suite's virtual winch in simulated time, with a `load`, the tension at the drum [N]."""
+    """The suite's virtual winch by its `parameters` in simulated time, with a `load`, the tension at the drum [N]."""
 
     is_real = False
 

@@ -17,7 +17,7 @@ MOTIONS = ("surge", "sway", "heave", "roll", "pitch")
 
 
 def read_mapping(path: Path) -> DeviceMap:
-    """Read a mapping file, or the map of a device: `heave_devices.maps.device_map` has the form.
+    """Read a mapping file at a `path`, or the map of a device: `heave_devices.maps.device_map` has the form.
 
     Raises BagError with the file and the entry that is wrong.
     """

@@ -32,6 +32,11 @@ def _unpriced(*names: str) -> Switch:
     return hypothesis, "PRICES", {**hypothesis.PRICES, **{getattr(hypothesis, name): NEVER for name in names}}
 
 
+def _with(owner: Any, name: str, value: float) -> Switch:
+    """Return the switch with which the constant of a `name` that the core gets from a module, `owner`, is a `value`."""
+    return owner, "CONSTANTS", {**owner.CONSTANTS, name: value}
+
+
 def _without_limit(name: str) -> Switch:
     """Return the switch with which no amplitude is too large by the guard's limit of a `name`."""
     return guard_checks, name, getattr(guard_checks, name)._replace(ratio=NEVER)
@@ -60,8 +65,8 @@ REFLEXES: Mapping[str, Sequence[Switch]] = {
     "encoder reflex": [(EncoderReflex, "look", _gives(Act.NOTHING))],
     "exclusion after jumps": [(sense_design, "EXCLUDES_JUMPED", False)],
     "sensor noise": [(sense_design, "GATES", NO_NOISE)],
-    "share by the sea": [(supervision_design, "CAUTIOUS", 1.0)],
-    "authority": [(guard_checks, "WORTH", NEVER)],
+    "share by the sea": [_with(supervision_design, "cautious", 1.0)],
+    "authority": [_with(guard_checks, "worth", NEVER)],
 }
 """Reflexes of the core within a tick."""
 
@@ -70,7 +75,7 @@ GUARD: Mapping[str, Sequence[Switch]] = {
     "swing check": [_without_limit("SWING")],
     "depth check": [_without_limit("DEPTH")],
     "mismatch check": [_without_limit("MISMATCH")],
-    "waves check": [(guard_checks, "FULL_SHARE", NEVER)],
+    "waves check": [_with(guard_checks, "full_share", NEVER)],
 }
 CHECKS: Mapping[str, Sequence[Switch]] = {
     "gates": [(mode_machine, "mode_design", _without_gates)],

@@ -27,7 +27,7 @@ _KINDS = {
 
 
 class OpcUaExchange:
-    """The nodes of one server, without a user's name and without encryption: `fields` are read, `orders` written.
+    """The nodes of one server at a `link`, without user's name and encryption: `fields` are read, `orders` written.
 
     A node is named by its identifier, such as ns=2;s=Winch.Payout.
     """
