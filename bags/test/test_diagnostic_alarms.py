@@ -43,6 +43,14 @@ def test_an_event_is_no_warning():
     assert alone.level == 0
 
 
+@pytest.mark.parametrize(("severity", "level"), [("critical", 2), ("high", 2), ("medium", 1), ("low", 1), ("event", 0)])
+def test_an_alarm_of_the_controller_has_the_level_of_its_severity_whatever_that_of_its_part(severity, level):
+    """A brake that did not hold stood as a warning in the report: the part of the alarms is at most that."""
+    text = f"t = 1.00 s: DRUM_NOT_HELD ({severity}): count moved 0.05 m."
+    (alone,) = diagnostic_alarms(fields("winch_controller: alarms", [text]))
+    assert alone.level == level
+
+
 def test_an_alarm_that_lasts_is_shown_from_when_it_was_raised_on():
     """Diagnostics come once a second: the sensor is reported lost at 2 s, and its alarm says since when."""
     lost = "SENSOR_LOST, MRU (high): no data for 0.20 s, limit 0.15 s. Compensation fades out."
