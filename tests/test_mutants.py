@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import importlib
 import signal
 import subprocess
 import sys
@@ -10,7 +11,7 @@ import sys
 import psutil
 import pytest
 
-from tests.campaigns.mutants.judge import ROOT
+from tests.campaigns.mutants.judge import ROOT, _importers
 from tests.campaigns.mutants.mutations import mutated, mutations_of
 from tests.campaigns.mutants.subjects import SUBJECTS
 from tests.campaigns.soak import Look, Soaked, is_well, judged, memory_by_node
@@ -74,6 +75,12 @@ def soaked(**growing: float) -> Soaked:
         for share in (look / 100.0 for look in range(101))
     ]
     return Soaked("composed", 15.0, 3600.0, looks, [])
+
+
+def test_what_helps_tests_is_loaded_anew_with_each_mutant():
+    """It held the sound module, and no mutant of the guard was caught."""
+    importlib.import_module("tests.supervised")
+    assert "tests.supervised" in _importers("winch_controller_node.core.supervision.guard")
 
 
 @pytest.mark.parametrize("figure", ["memory", "descriptors", "shared_memory", "files"])

@@ -147,8 +147,13 @@ def _importers(module: str) -> set[str]:
     while more:
         more = {name for name, known in imports.items() if known & found} - found
         found |= more
-    tests = {name for name in sys.modules if name.split(".")[-1].startswith(("test_", "conftest")) or ".test." in name}
-    return found | tests
+    return found | {name for name in sys.modules if _is_of_tests(name)}
+
+
+def _is_of_tests(name: str) -> bool:
+    """Return whether the module of a `name` is a test, or helps tests: it may hold what the mutated module defines."""
+    is_helper = name.startswith("tests.") and not name.startswith("tests.campaigns")
+    return is_helper or ".test." in name or name.rsplit(".", maxsplit=1)[-1].startswith(("test_", "conftest"))
 
 
 class _Loader(importlib.abc.MetaPathFinder, importlib.abc.Loader):
