@@ -211,11 +211,11 @@ def test_a_load_that_lands_without_a_load_cell_is_told_of_and_is_compensated_unt
     record = LoopRecord(np.array(rows))
     time, force = record.column("time"), record.column("touchdown_force")
     contact = time[np.argmax(force > 0.0)]
-    assert contact < found["TOUCHDOWN"] < contact + 13.0
-    stands = (time > found["TOUCHDOWN"]) & (time < 140.0)
+    assert contact < found["TOUCHDOWN: by depth alone"] < contact + 13.0
+    stands = (time > found["TOUCHDOWN: by depth alone"]) & (time < 140.0)
     assert np.min(force[stands]) > 0.0
     assert np.max(record.column("slack_segments")[stands]) == 0.0
-    assert 140.0 < found["UNIT_SUSPENDED"] < 180.0
+    assert 140.0 < found["UNIT_SUSPENDED: by depth alone"] < 180.0
     lost = (
         "IDENTIFIED, DEPTH: scale",
         "WORSE_THAN_OFF: swing",

@@ -91,9 +91,9 @@ def _lost(part: str) -> AlarmRow:
 
 def _grouped(rows: Iterable[AlarmRow]) -> list[list[AlarmRow]]:
     """Return the `rows` with those that say the same of several parts as one, in the order of the first of each."""
-    groups: dict[tuple[str, str, str], list[AlarmRow]] = {}
+    groups: dict[tuple[str, str, str, str], list[AlarmRow]] = {}
     for row in rows:
-        groups.setdefault((_kind(row), row.state, _action(row)), []).append(row)
+        groups.setdefault((_kind(row), row.reason, row.state, _action(row)), []).append(row)
     return list(groups.values())
 
 

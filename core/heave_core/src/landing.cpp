@@ -18,19 +18,35 @@ Slope slope_of(const LandingDesign &design, const Trend &trend, double window) {
     return slope_of(trend, window, design.least_readings, design.filled);
 }
 
+// Whether the winch has lowered steadily over a window, at which speed, and how fast a hanging unit would have sunk [m/s].
+struct Lowering {
+    bool is_steady;
+    double payout, sinking;
+};
+
+Lowering lowering_of(const LandingDesign &design, const LandingState &state, double window, double rate) {
+    const Slope payout = slope_of(design, state.payout, window), hanging = slope_of(design, state.hanging, window);
+    const Slope before = slope_of(design, state.payout, window + design.following_time);
+    const double steady = std::max(design.least_rate, design.steady_share * rate);
+    const bool is_known = payout.is_known && before.is_known && hanging.is_known;
+    return {is_known && std::min(payout.value, before.value) >= steady, payout.value, std::min(payout.value, hanging.value)};
+}
+
+// The depth sensor has read a unit that stands while a hanging one would have sunk.
+bool has_stayed(const LandingDesign &design, const LandingState &state, double window, const Lowering &lowering) {
+    const Slope depth = slope_of(design, state.depth, window);
+    if (!depth.is_known || !lowering.is_steady) return false;
+    if (std::abs(depth.value) > design.standing_share * lowering.sinking) return false;
+    return lowering.sinking - depth.value >= design.certain * depth.error;
+}
+
 // The unit has stood for a window in which the winch lowered and the cable was relieved.
 bool shows_landing(const LandingDesign &design, const LandingState &state, double window, double rate, double share) {
-    const Slope depth = slope_of(design, state.depth, window), payout = slope_of(design, state.payout, window);
-    const Slope before = slope_of(design, state.payout, window + design.following_time);
-    const Slope hanging = slope_of(design, state.hanging, window), tension = slope_of(design, state.tension, window);
-    if (!depth.is_known || !payout.is_known || !before.is_known || !hanging.is_known) return false;
-    const double steady = std::max(design.least_rate, design.steady_share * rate);
-    if (std::min(payout.value, before.value) < steady) return false;
-    const double sinking = std::min(payout.value, hanging.value);
-    if (std::abs(depth.value) > design.standing_share * sinking) return false;
-    if (sinking - depth.value < design.certain * depth.error) return false;
+    const Lowering lowering = lowering_of(design, state, window, rate);
+    if (!has_stayed(design, state, window, lowering)) return false;
     if (mean_of(state.innovation, window) < design.innovation_above) return false;
-    const double relief = design.relief_share * design.stiffness * payout.value;
+    const Slope tension = slope_of(design, state.tension, window);
+    const double relief = design.relief_share * design.stiffness * lowering.payout;
     const bool is_relieved = tension.is_known && -tension.value > std::max(relief, design.certain * tension.error);
     const double relieved_share = 1.0 - relief * window / design.weight;
     return (is_relieved && share < relieved_share) || share < design.touchdown_ratio;
@@ -44,18 +60,6 @@ bool is_relieved_throughout(const LandingDesign &design, const LandingState &sta
     if (!payout.is_known || !tension.is_known || payout.value < steady) return false;
     const double share = weight_share(design, mean_of(state.tension, time));
     return share < design.touchdown_ratio * mean_of(state.hanging_share, time);
-}
-
-// Without the load cell: the unit has stayed behind the winch over a whole swing. Within one, a hanging unit may do so.
-bool stands_throughout(const LandingDesign &design, const LandingState &state, double rate) {
-    const double time = design.swing_time, steady = std::max(design.least_rate, design.steady_share * rate);
-    const Slope payout = slope_of(design, state.payout, time), depth = slope_of(design, state.depth, time);
-    const Slope before = slope_of(design, state.payout, time + design.following_time);
-    const Slope hanging = slope_of(design, state.hanging, time);
-    if (!payout.is_known || !before.is_known || !depth.is_known || !hanging.is_known) return false;
-    if (std::min(payout.value, before.value) < steady) return false;
-    const double sinking = std::min(payout.value, hanging.value);
-    return std::abs(depth.value) < design.standing_share * sinking && sinking - depth.value > design.certain * depth.error;
 }
 
 // Without the load cell: a unit that stood has risen with the winch over a whole swing.
@@ -93,7 +97,9 @@ bool touches_down(const LandingDesign &design, LandingState &state, const Landin
     if (seen.has_depths == 0.0) return false;
     const double window = std::min(std::max(design.lowered / rate, design.shortest), design.longest);
     watch_unconfirmed(design, state, seen.time, window, rate);
-    if (state.is_weighed == 0.0) return stands_throughout(design, state, rate);
+    // without the load cell: within less than a whole swing a hanging unit may stay behind the winch
+    if (state.is_weighed == 0.0)
+        return has_stayed(design, state, design.swing_time, lowering_of(design, state, design.swing_time, rate));
     for (const double factor : design.windows)
         if (shows_landing(design, state, factor * window, rate, share)) return true;
     return false;

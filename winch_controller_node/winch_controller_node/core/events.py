@@ -20,17 +20,6 @@ from winch_controller_node.node_parameters import WinchControllerParameters
 LOST_TIME = 1.0
 """An encoder that is lost for so long is lost indeed [s]; one with play is still for a moment when the drum turns."""
 
-THEN = {
-    (LandingEvent.TOUCHDOWN, True): "The winch changes to constant tension",
-    (
-        LandingEvent.TOUCHDOWN,
-        False,
-    ): "The move ends. Compensation continues: holding tension needs the load cell",
-    (LandingEvent.LIFTED_OFF, True): "The winch compensates and raises the load by tension.lift_height",
-    (LandingEvent.LIFTED_OFF, False): "Compensation continues",
-}
-"""What follows an event, with the load cell and without."""
-
 
 class ControllerEvents(OperatorRequests):
     """The jumps of a controller: all of them go on from where loop and winch are, without a step in the motion."""
@@ -86,7 +75,8 @@ class ControllerEvents(OperatorRequests):
             self.modes.lift_off()
             self._hand_over(loop, unit_stood=True)
             self.mean.move_to(self.mean.point.payout - parameters.lift_height)
-        self._alarms.append(ALARMS.alarm(landing.value, then=THEN[landing, is_weighed]))
+        name = f"{landing.value}: weighed" if is_weighed else f"{landing.value}: by depth alone"
+        self._alarms.append(ALARMS.alarm(name))
 
     def _hand_over(self, loop: LoopTick, *, unit_stood: bool) -> None:
         """Make the present depth of the unit the mean and go on from there."""
