@@ -18,7 +18,7 @@ from heave_bringup.closed_loop import ClosedLoop, LoopRecord, loop_parameters
 from heave_bringup.run.loop_signals import run_signals
 from heave_bringup.scenarios import Scenario, load_scenario
 
-from tests.loops import TROUBLE, begin_of, blamed, changes, fault, heave_of, left, settings_text, worst_minute
+from tests.loops import TROUBLE, begin_of, blamed, changes, fault, heave_of, left, loop_of, settings_text, worst_minute
 
 ROWS = yaml.safe_load(Path(__file__).with_name("never_worse.yaml").read_text(encoding="utf-8"))
 INPUTS = {"name", "scenario", "law", "seed", "duration", "set", "fault", "ask", "long", "open", "from"}
@@ -120,6 +120,8 @@ class Lift:
     def check_wanted(self, _: bool) -> None:
         run = self.scenario.run
         figures = kpi_set.evaluate(run_signals(self.record, self.parameters), run.transient, run.duration)
+        # the signals of a loop have no reasons of its modes
+        figures |= {"compensation_losses": float(self.codes.count("COMPENSATION_LOST"))}
         assert [one.kpi for one in self.scenario.wanted if not one.is_met(figures[one.kpi])] == []
 
     @property
@@ -132,7 +134,11 @@ class Lift:
 
 
 def marks_of(row: Mapping[str, Any]) -> list[pytest.MarkDecorator]:
-    """Return the marks of a row: it is left to `make validate`, or it is open and not kept today."""
+    """Return the marks of a row: it is left to `make validate`, or it is open and not kept today.
+
+    An open row is a counter-example that is written down. It must be run to its end and miss a bound: an error of
+    another kind fails, and so does a row that is kept again, until its `open` is removed.
+    """
     marks = [pytest.mark.long] if row.get("long") else [pytest.mark.slow]
     return [*marks, pytest.mark.xfail(reason=row["open"], strict=True)] if "open" in row else marks
 
@@ -162,3 +168,16 @@ def test_a_sea_other_than_assumed_is_met_nearly_as_well_as_one_that_is_known(sce
         assert left(record, 130.0) <= 1.05
         sigmas.append(record.unit_sigma(130.0))
     assert sigmas[0] <= max(1.3 * sigmas[1], sigmas[1] + 0.001)
+
+
+@pytest.mark.long
+def test_the_tension_held_on_a_landed_load_swings_by_the_friction_of_the_sheaves():
+    """Held is what the load cell reads, so the cable's tension may be off by e^f either way (Eytelwein), beside the
+    4.6 kN by which it swings without friction.
+    """
+    friction = 0.05
+    settings = {"cable_sim.rope_path.friction": friction, "cable_sim.rope_path.stiffness": 2e6}
+    record = loop_of("b13_landing_soft", settings).run()
+    held = record.column("top_tension", after=float(record.column("time")[-1]) - 30.0)
+    loop = 2.0 * float(held.mean()) * np.sinh(friction)
+    assert 0.5 * loop < np.ptp(held) - 4.6e3 < loop
