@@ -193,9 +193,7 @@ def diagnostic_alarms(diagnostics: Fields, *, has_modes: bool = False) -> list[I
 
 
 def _level(text: str, level: int) -> int:
-    """Return the level of a `text`: 2 where it reports an alarm of high or critical severity, 0 where it reports events
-    alone, which need nothing; else the `level` of its part.
-    """
+    """Return 2 for a `text` with a high or critical alarm, 0 for events alone; else the `level` of its part."""
     severities = {alarm.severity for alarm in alarms_in(text)}
     if severities & {Severity.CRITICAL, Severity.HIGH}:
         return 2
