@@ -7,7 +7,7 @@ import pytest
 import yaml
 from heave_bringup.cli import main
 from heave_bringup.nodes import ENVELOPE, NODES
-from heave_bringup.pages.parameters import PAGE_COLUMNS, all_rows, matching, page, value_words
+from heave_bringup.pages.parameters import AS_STATED, PAGE_COLUMNS, all_rows, matching, page, range_words, value_words
 from heave_node.parameters import describe
 from heave_node.system_parameters import own_name
 
@@ -17,6 +17,20 @@ ROWS = all_rows()
 
 def test_the_page_is_that_of_the_code():
     assert PAGE.read_text() == page(), "python -m heave_bringup.pages.parameters > docs/parameters.md"
+
+
+def test_what_the_page_states_once_is_the_same_everywhere():
+    """The lists of faults of every device, except the kinds it knows; the MRU of controller and envelope."""
+
+    def shown(row):
+        return value_words(row.info, row.info.default), row.info.unit, range_words(row.info), row.meaning
+
+    for name in AS_STATED:
+        assert len({shown(row) for row in ROWS if row.info.name.endswith(name)}) == 1
+    of_controller = {row.info.name: shown(row) for row in ROWS if row.node == "winch_controller"}
+    of_envelope = [row for row in ROWS if row.node == ENVELOPE and not row.shared]
+    assert of_envelope
+    assert [row.info.name for row in of_envelope if of_controller[f"sensors.{row.info.name}"] != shown(row)] == []
 
 
 def test_every_parameter_of_every_node_has_a_row_with_a_meaning():

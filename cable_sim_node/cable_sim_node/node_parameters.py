@@ -27,7 +27,7 @@ class CableSimNodeParameters(CableSimParameters):
         choices=("lumped_mass", "linear"))  # fmt: skip
     linear: LinearModelParameters = group(LinearModelParameters)
     boom_tip_height: float = parameter(0.0, "m", -100.0, 200.0,
-        "Height of the mean boom tip above still water, where the run starts; wave_vessel has the same.")  # fmt: skip
+        "Height of the mean boom tip above still water at the start.")  # fmt: skip
     shadow_follows_programme: bool = parameter(False,
         description="The uncompensated plant follows the controller's depth programme; false: its winch stays locked.",
     )  # fmt: skip

@@ -32,11 +32,11 @@ class CableParameters(Checked):
     internal_damping: float = parameter(0.0, "N s", 0.0, None,
         "Tension per unit strain rate, at most the elastic tension.")  # fmt: skip
     loss_factor: float = parameter(0.0, "", 0.0, 0.3,
-        "Hysteresis by friction between wires: loss per cycle over 2 pi times the largest elastic energy of the "
-        "swing, the same at all frequencies; 0 means none. axial_stiffness is that of large swings: where the loss is "
-        "largest the cable is stiffer by 1.6 times the loss factor.")  # fmt: skip
+        "Hysteresis by friction between wires: loss per cycle over 2 pi times the peak elastic energy, "
+        "at any frequency; 0: none. axial_stiffness is that of large swings; where the loss is largest, "
+        "the cable is stiffer by 1.6 times this factor.")  # fmt: skip
     loss_swing: float = parameter(0.1, "", 1e-3, 1.0,
-        "Tension amplitude over mean tension at which the loss is largest; half of it: none.")  # fmt: skip
+        "Tension amplitude over mean tension at which the loss is largest; at half of it there is none.")  # fmt: skip
     bending_stiffness: float = parameter(0.0, "N m^2", 0.0, None, "EI; 0 means a perfectly flexible cable.")
     normal_drag: float = parameter(1.2, "", 0.0, None, "C_N: force (1/2) rho C_N d U^2 per metre.")
     tangential_drag: float = parameter(0.01, "", 0.0, None,
@@ -45,8 +45,8 @@ class CableParameters(Checked):
     breaking_force: float = parameter(0.0, "N", 0.0, None,
         "Minimum breaking load (MBL) of the cable, for its safety factor; 0 means not stated.")  # fmt: skip
     safety_factor: float = parameter(SAFETY_FACTOR, "", 1.0, 100.0,
-        "Breaking force over largest tension that is required: less is a warning, less than 1 a failure. The default "
-        "is 1.3 x 1.3 x 1.5 of GL Noble Denton 0027/ND for steel wire rope.")  # fmt: skip
+        "Required ratio of breaking force to largest tension; below it, the run fails. Default: 1.3 x "
+        "1.3 x 1.5, GL Noble Denton 0027/ND for steel wire rope.")  # fmt: skip
 
     @property
     def displaced_area(self) -> float:
@@ -210,12 +210,12 @@ class RopePathParameters:
     """The rope's way from the drum over its sheaves to the boom tip: friction before the load cell, and what gives."""
 
     friction: float = parameter(0.0, "", 0.0, 2.0,
-        "ln of the ratio of the tensions on both sides of the sheaves while the rope runs: mu theta of Euler and "
-        "Eytelwein, or -n ln e for n sheaves of efficiency e. The load cell is on the drum's side; 0 means none.",
+        "ln of the tension ratio across the sheaves while the rope runs: mu theta (Euler and Eytelwein), "
+        "or -n ln e for n sheaves of efficiency e. The load cell is on the drum side; 0: none.",
     )  # fmt: skip
     stiffness: float = parameter(0.0, "N/m", 0.0, None,
-        "Of boom, sheaves and the rope between drum and boom tip, in series: a vertical spring above the cable, at "
-        "rest at the start, and what gives while friction turns over. 0 means rigid: then without friction.",
+        "Stiffness of boom, sheaves and rope between drum and boom tip, in series: a vertical spring "
+        "above the cable. It also yields while friction reverses. 0: rigid, without friction.",
     )  # fmt: skip
 
     def __post_init__(self) -> None:
@@ -247,7 +247,7 @@ class CableSimParameters:
     water_density: float = parameter(SEAWATER_DENSITY, "kg/m^3", 0.0, 2000.0,
         "Density of the surrounding fluid; 0 is a vacuum.")  # fmt: skip
     surface: bool = parameter(True,
-        description="The water ends at its surface, z = 0 and the wave on it; false: it surrounds everything.",
+        description="Water up to z = 0 and the wave; false: water everywhere.",
     )  # fmt: skip
     gravity: float = parameter(STANDARD_GRAVITY, "m/s^2", 0.0, 100.0, "Acceleration of gravity.")
     cable: CableParameters = group(CableParameters)

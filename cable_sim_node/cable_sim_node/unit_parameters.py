@@ -28,10 +28,9 @@ class BoxParameters:
     length: float = parameter(0.0, "m", 0.0, None, "Length of the box; 0 means no box.")
     breadth: float = parameter(0.0, "m", 0.0, None, "Breadth of the box.")
     height: float = parameter(0.0, "m", 0.0, None,
-        "Height of the box, over which the unit gets wet on its way through the surface; 0 means that it is always "
-        "under water.")  # fmt: skip
+        "Height of the box, for its immersion in the splash zone; 0: always under water.")  # fmt: skip
     perforation: float = parameter(0.0, "", 0.0, 0.5,
-        "Share of the box's horizontal area that is open: it reduces the added mass.")  # fmt: skip
+        "Open fraction of the box's horizontal area; it reduces the added mass.")  # fmt: skip
     slamming: float = parameter(5.0, "", 0.0, None,
         "Slamming coefficient C_s of the underside: force (1/2) rho C_s A U^2 while it enters the water, A length "
         "times breadth, holes included; 0 means no slam.")  # fmt: skip
@@ -60,11 +59,11 @@ class OscillationParameters:
     points and constant beyond them.
     """
 
-    kc: tuple[float, ...] = parameter((), "", 0.0, None, "KC of each point, increasing; empty means no dependence.")
+    kc: tuple[float, ...] = parameter((), "", 0.0, None, "Keulegan-Carpenter numbers KC, increasing; empty: constant.")
     added_mass: tuple[float, ...] = parameter((), "kg", 0.0, None, "Vertical added mass at each point.")
     drag_coefficient: tuple[float, ...] = parameter((), "", 0.0, None,
         "Vertical C_D at each point, for the vertical drag_area.")  # fmt: skip
-    width: float = parameter(0.0, "m", 0.0, None, "Length that KC is formed with.")
+    width: float = parameter(0.0, "m", 0.0, None, "Length from which KC is computed.")
     memory: float = 60.0  # time constant over which z_m is taken, the square root of 2 times the rms of the heave [s]
 
     def __post_init__(self) -> None:
@@ -84,7 +83,7 @@ class UnitParameters:
     added_mass: tuple[float, ...] = parameter((3000.0, 3000.0, 3000.0), "kg", 0.0, None,
         "Added mass along x, y, z.", length=3)  # fmt: skip
     vertical_added_mass: str = parameter("given",
-        description="The vertical added mass as given in added_mass, or that of `unit.box` by DNV-RP-N103.",
+        description="given: vertical added mass from added_mass; box: that of `unit.box` by DNV-RP-N103.",
         choices=("given", "box"))  # fmt: skip
     box: BoxParameters = group(BoxParameters)
     oscillation: OscillationParameters = group(OscillationParameters)
@@ -97,7 +96,7 @@ class UnitParameters:
     attachment_breaking_force: float = parameter(0.0, "N", 0.0, None,
         "Breaking force of what joins cable and unit (termination, shackle, padeye); 0 means not stated.")  # fmt: skip
     attachment_safety_factor: float = parameter(SAFETY_FACTOR, "", 1.0, 100.0,
-        "The attachment's breaking force over its largest load that is required, as cable.safety_factor.")  # fmt: skip
+        "Required ratio of the attachment's breaking force to its largest load, as cable.safety_factor.")  # fmt: skip
 
     def __post_init__(self) -> None:
         check_ranges(self)

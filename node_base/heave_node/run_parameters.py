@@ -41,8 +41,7 @@ class RunParameters:
         description="Nodes, or single topics such as winch/load_cell, replaced by hardware or other programs. Their "
         "messages are used as they arrive; real time only.")  # fmt: skip
     foreign: tuple[str, ...] = parameter((),
-        description="Nodes in whose place another program takes part in each tick (`--replace NODE=lockstep`): it may "
-        "publish each topic by itself.")  # fmt: skip
+        description="Nodes replaced by a program that takes part in each tick: --replace NODE=lockstep.")  # fmt: skip
     external_clocks: tuple[str, ...] = parameter((),
         description="Clock of the stamps of each external node, as NODE=CLOCK: simulated (use_sim_time), own (its own "
         "clock), none (stamp 0: time of arrival), detect (from the first message; the default). NODE=CLOCK:S subtracts "
@@ -50,7 +49,7 @@ class RunParameters:
     autostart: bool = parameter(True, description="Configure and activate without a lifecycle manager.")
     start_timeout: float = parameter(300.0, "s", 1.0, 3600.0, "Wall time to wait for all nodes before the first tick.")
     participant_timeout: float = parameter(60.0, "s", 0.1, 3600.0,
-        "Wall time that a node may stay silent, or compute one tick, before the run is ended.")  # fmt: skip
+        "Wall time for which a node may be silent, or compute one tick; then the run ends.")  # fmt: skip
     resend_period: float = parameter(0.25, "s", 0.01, 60.0, "Wall time after which an unanswered tick is sent again.")
     clock_offset_limit: float = parameter(0.1, "s", 1e-3, 1e9,
         "Largest offset between the clocks of two hosts of a run in real time; a larger one is refused.")  # fmt: skip

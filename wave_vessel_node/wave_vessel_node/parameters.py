@@ -65,9 +65,9 @@ class MruParameters:
     rate_noise: float = parameter(0.01, "m/s", 0.0, 1.0,
         "White noise of heave rate: standard deviation of each reading.")  # fmt: skip
     measures_rate: bool = parameter(True,
-        description="It measures heave rate and acceleration; many units state heave alone (NaN then).")  # fmt: skip
+        description="Measures heave rate and acceleration too; many MRUs give heave only (then NaN).")  # fmt: skip
     wander: float = parameter(0.0, "m", 0.0, 10.0,
-        "Error of heave that is not white, a first-order Gauss-Markov process: standard deviation.")  # fmt: skip
+        "Coloured error of heave (first-order Gauss-Markov process), standard deviation.")  # fmt: skip
     wander_time: float = parameter(60.0, "s", 0.01, 1e4,
         "Time constant of wander: a second colours the noise, a minute lets the zero drift.")  # fmt: skip
     resolution: float = parameter(0.0, "m", 0.0, 1.0, "Step of the readings of heave; 0 means none.")
@@ -77,12 +77,12 @@ class MruParameters:
     high_pass_damping: float = parameter(0.7071, "", 0.2, 2.0, "Damping ratio of the high-pass filter.")
     scale_error: float = parameter(0.0, "", -0.5, 0.5, "Relative scale error: 0.05 reads 5 % high.")
     lever_arm_error: tuple[float, ...] = parameter((0.0, 0.0, 0.0), "m", -10.0, 10.0,
-        "Error of the lever arm entered in the unit, vessel axes; it couples pitch and roll into heave.",
+        "Error of the lever arm entered in the MRU, vessel axes; it couples pitch and roll into heave.",
         length=3)  # fmt: skip
-    latency: float = parameter(0.0, "s", 0.0, 5.0, "Delay of a reading, which its stamp accounts for.")
+    latency: float = parameter(0.0, "s", 0.0, 5.0, "Delay from a reading's time stamp to its delivery.")
     stamp_error: float = parameter(0.0, "s", -5.0, 5.0,
-        "Time by which the stamp is late: above 0 an additional delay that it does not account for, below 0 readings "
-        "are newer than their stamp.")  # fmt: skip
+        "Time by which the stamp is late: above 0, a further delay that the stamp hides; below 0, "
+        "readings are newer than their stamp.")  # fmt: skip
     # after a restart the status is settling for this many periods of the high-pass filter [-]
     settling_periods: float = 10.0
     # error of vertical acceleration right after a restart [m/s^2]; it decays with the period of the high-pass filter
@@ -209,9 +209,9 @@ class ShapingFilterParameters:
 class PreviewParameters:
     """The preview of the boom tip, as of waves that are measured up-wave or by radar."""
 
-    time: float = parameter(0.0, "s", 0.0, 120.0, "How far the preview of the boom tip looks ahead; 0: there is none.")
+    time: float = parameter(0.0, "s", 0.0, 120.0, "Length of the boom-tip preview; 0: none.")
     noise: float = parameter(0.05, "m", 0.0, 10.0,
-        "White error of the preview at each moment, 1 sigma; a moment keeps its error.")  # fmt: skip
+        "White error of the preview, 1 sigma; each predicted moment keeps its error.")  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -248,7 +248,7 @@ class WaveVesselParameters(SeaParameters):
     recording_topic: str = parameter("boom_tip",
         description="Topic to read from a bag: boom_tip or mru (any namespace).")  # fmt: skip
     accept_implausible: bool = parameter(False,
-        description="Take implausible figures in the files of sea, recording and RAOs as they are.")  # fmt: skip
+        description="Accept implausible values in the files of sea, recording and RAOs.")  # fmt: skip
     filter: ShapingFilterParameters = group(ShapingFilterParameters)
     vessel: VesselParameters = group(VesselParameters)
     crane: CraneMotionParameters = group(CraneMotionParameters)

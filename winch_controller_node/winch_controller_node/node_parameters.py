@@ -72,10 +72,10 @@ class WinchControllerParameters(LawGroups):
         description=f"The control law. {'; '.join(f'{law.name}: {law.summary}' for law in LAWS.values())}.",
     )
     law_parameters: tuple[str, ...] = parameter(
-        (), unit="", description="Parameters of a law that is named by its place, each NAME=VALUE; others have a group."
+        (), unit="", description="Parameters of a law named by file or module, each NAME=VALUE."
     )
     factor: float = parameter(1.0, "", 0.0, 1.0,
-        "Largest authority: fraction of the boom tip's motion that is compensated.", is_live=True)  # fmt: skip
+        "Largest gain (authority): fraction of the boom tip's motion that is compensated.", is_live=True)  # fmt: skip
     length: float = parameter(300.0, "m", 0.01, 20_000.0, "Unstretched cable length at payout 0.")
     water_density: float = parameter(SEAWATER_DENSITY, "kg/m^3", 0.0, 2000.0, "Density of the water.")
     gravity: float = parameter(STANDARD_GRAVITY, "m/s^2", 0.1, 100.0, "Acceleration of gravity.")

@@ -108,7 +108,7 @@ class LoadCellParameters(SensorParameters):
 
     rate: float = parameter(20.0, "Hz", 1e-3, 10_000.0, "Samples per second.")
     relative_noise: float = parameter(0.005, "", 0.0, 1.0,
-        "Standard deviation of white noise, of the static tension at the start.")  # fmt: skip
+        "Standard deviation of white noise, as a fraction of the static tension at the start.")  # fmt: skip
     bias: float = parameter(0.0, "N", -1e9, 1e9, "Constant error.")
 
     def view(self, truth: SensorTruth) -> View:

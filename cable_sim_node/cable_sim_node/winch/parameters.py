@@ -55,19 +55,19 @@ class OwnWinchParameters(WinchFigures):
     """The winch without the groups of its drives: how it answers a command, what it cannot exceed, when it stops."""
 
     drive: str = parameter("speed_servo",
-        description="What moves the drum: an ideal servo (with law), or a drive with its physics: electric.*, "
-        "pump_controlled.* or valve_controlled.* (heave[drives]).", choices=(SERVO, *installed_drives()),
+        description="Drive model: an ideal servo (with law), or a detailed drive: electric.*, pump_controlled.* or "
+        "valve_controlled.* (heave[drives]).", choices=(SERVO, *installed_drives()),
         also="|".join(absent_drives()), also_words="a drive of heave[drives]")  # fmt: skip
     position_gain: float = parameter(0.0, "1/s", 0.0, 100.0,
-        "Gain k_p from payout error to speed; 0 follows the rate set-point alone.")  # fmt: skip
+        "Gain k_p from payout error to speed; 0: the drive follows the rate set-point only.")  # fmt: skip
     command_jitter: float = parameter(0.0, "s", 0.0, 10.0,
-        "Largest deviation of each command's delay from command_delay, either way, uniform; none overtakes another.",
+        "Largest deviation of a command's delay from command_delay, either way, uniform; order is kept.",
     )  # fmt: skip
     acceleration_limit: float = parameter(1.5, "m/s^2", 1e-3, 1e6,
-        "Largest payout acceleration in normal operation; of a drive with its physics that of its speed reference.",
+        "Largest payout acceleration in normal operation; of a detailed drive, that of its speed reference.",
     )  # fmt: skip
     stop_deceleration: float = parameter(1.5, "m/s^2", 1e-3, 1e6,
-        "Deceleration of a stop (brake request, watchdog, fault); acceleration_limit where that is less.")  # fmt: skip
+        "Deceleration of a stop (brake request, watchdog, fault); at most acceleration_limit.")  # fmt: skip
     hauling_speed_share: float = parameter(1.0, "", 0.05, 1.0,
         "Speed servo: largest hauling speed as a fraction of speed_limit.")  # fmt: skip
     hauling_acceleration_share: float = parameter(1.0, "", 0.05, 1.0,
@@ -76,16 +76,16 @@ class OwnWinchParameters(WinchFigures):
     speed_deadband: float = parameter(0.0, "m/s", 0.0, 1.0,
         "Speed servo: dead zone; only the part of a set-point beyond it takes effect.")  # fmt: skip
     drum_radius_error: float = parameter(0.0, "", -0.5, 0.5,
-        "Radius that the cable has on the drum over the nominal one, less 1: the cable moves by so much more than the "
-        "drum, by whose nominal radius drive and encoder count.")  # fmt: skip
+        "Relative error of the drum radius: the cable moves by this much more than drive and encoder "
+        "count with the nominal radius.")  # fmt: skip
     rated_pull: float = parameter(0.0, "N", 0.0, None,
         "Rated pull of the winch on its outermost layer, which the largest tension must not exceed; 0 means not "
         "stated.")  # fmt: skip
     command_timeout: float = parameter(0.5, "s", 1e-3, 3600.0,
         "Watchdog: simulated time without a fresh command after which the winch stops and brakes.")  # fmt: skip
     supervision_time: float = parameter(1.0, "s", 0.0, 60.0,
-        "Supervision of the drive by its own feedback: it trips where drum or brake do not follow their orders for so "
-        "long, or the drum has moved by 0.05 m with its brake engaged or since it stood; 0 means none.")  # fmt: skip
+        "The drive trips if drum or brake do not follow their commands for this long, or if the drum "
+        "moves by 0.05 m from standstill or with the brake on; 0: no supervision.")  # fmt: skip
     encoder: EncoderParameters = group(EncoderParameters)
     drift: WinchDriftParameters = group(WinchDriftParameters)  # speed servo only
     # faults of the command line (`gap`, `delay`), of the drive (`drive`), and the `emergency_stop`

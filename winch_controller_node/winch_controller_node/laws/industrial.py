@@ -50,7 +50,7 @@ class IndustrialParameters:
     """The industrial baseline."""
 
     position_gain: float = parameter(0.0, "1/s", 0.0, 20.0,
-        "Gain of the outlet position loop; 0: set by rule from the delay and lag of the winch.")  # fmt: skip
+        "Gain of the position loop at the boom tip; 0: computed from delay and lag of the winch.")  # fmt: skip
 
 
 class IndustrialBaseline(CoreLaw):
@@ -65,7 +65,7 @@ class IndustrialBaseline(CoreLaw):
     """
 
     name: ClassVar[str] = "industrial"
-    summary: ClassVar[str] = "outlet position loop with speed feed-forward, delay and lag inverted: the baseline"
+    summary: ClassVar[str] = "position loop on the rope at the boom tip, with speed feed-forward: the baseline"
     parameters_type: ClassVar[type | None] = IndustrialParameters
     required_sensors: ClassVar[tuple[str, ...]] = ("mru",)
     feeds_back_unit: ClassVar[bool] = False

@@ -54,30 +54,30 @@ class MpcParameters:
     unit_heave: float = parameter(0.01, "m", 1e-4, 10.0,
         "Cost of law mpc: scale of unit heave. Laws lqr and lqg have weights.unit_heave.")  # fmt: skip
     payout_acceleration: float = parameter(0.5, "m/s^2", 0.0, 1e3,
-        "The same cost: scale of payout acceleration; smaller is more frugal, 0 leaves it out.")  # fmt: skip
+        "The same cost: scale of payout acceleration; smaller is more frugal, 0 removes it.")  # fmt: skip
     payout: float = parameter(50.0, unit="m", minimum=0.0, maximum=1e5, description="The same cost: scale of payout.")
     command: float = parameter(0.3, "m/s", 1e-3, 1e3,
-        "The same cost: scale of the command; a small one leaves some of the motion uncompensated.")  # fmt: skip
+        "The same cost: scale of the command; a small value leaves some motion uncompensated.")  # fmt: skip
     free_payout_acceleration: float = parameter(
         0.6,
         unit="m/s^2",
         minimum=0.0,
         maximum=1e3,
         description="Cost away from the winch limits: scale of payout acceleration; smaller is more frugal, 0 "
-        "leaves it out.",
+        "removes it.",
     )
     free_command: float = parameter(
         2.0,
         unit="m/s",
         minimum=1e-3,
         maximum=1e3,
-        description="Cost away from the winch limits: scale of the command; hardly any effect beside the term of "
-        "payout acceleration.",
+        description="Cost away from the winch limits: scale of the command; the acceleration term leaves it hardly "
+        "any effect.",
     )
     release_time: float = parameter(60.0, "s", 0.0, 1e4,
         "Time constant with which the law returns to full effort after a limit shaped its plan.")  # fmt: skip
     preview_time: float = parameter(0.0, "s", 0.0, 60.0,
-        "Time ahead for which a preview of the boom tip is used, where one is given; 0: not used.")  # fmt: skip
+        "Time ahead for which a boom-tip preview is used; 0: not used.")  # fmt: skip
     preview_noise: float = parameter(0.05, "m", 1e-3, 10.0, "Error of that preview, 1 sigma.")
     softness: float = parameter(1e-7, "", 1e-12, 1.0, "Reciprocal weight of a violated constraint: smaller is harder.")
 

@@ -15,14 +15,14 @@ class EnvelopeParameters:
     """
 
     active: bool = parameter(True,
-        description="Bound every order; false lets all orders pass, for trials in simulation only.")  # fmt: skip
+        description="Limit every command; false passes all commands, for simulation only.")  # fmt: skip
     window: float = 60.0  # time over which the boom tip's motion is watched [s]
     rate_factor: float = parameter(1.5, "", 1.0, 10.0,
-        "Largest speed about the requested move over the largest rate of the boom tip in the window.")  # fmt: skip
-    rate_margin: float = parameter(0.25, "m/s", 0.0, 10.0, "Speed that is allowed beyond that.")
+        "Speed limit relative to the requested move, over the largest boom-tip rate in the window.")  # fmt: skip
+    rate_margin: float = parameter(0.25, "m/s", 0.0, 10.0, "Speed allowed beyond that.")
     travel_factor: float = parameter(1.5, "", 1.0, 10.0,
-        "Largest travel about the requested move over the largest heave of the boom tip in the window.")  # fmt: skip
-    travel_margin: float = parameter(0.3, "m", 0.0, 100.0, "Travel that is allowed beyond that.")
+        "Travel limit relative to the requested move, over the largest boom-tip heave in the window.")  # fmt: skip
+    travel_margin: float = parameter(0.3, "m", 0.0, 100.0, "Travel allowed beyond that.")
     travel_time: float = 60.0  # time constant with which travel decays [s]
     early_factor: float = 2.5  # factor on both bounds while the window is empty [-]
     lost_factor: float = 0.8  # factor on both bounds while the drum's count or the MRU is lost [-]
@@ -39,7 +39,7 @@ class EnvelopeParameters:
     frozen_travel: float = 0.1  # travel that was sent without a step of the count, after which the count is frozen [m]
     frozen_time: float = 0.4  # time that this takes at least [s]
     drum_margin: float = parameter(0.1, "m", 0.01, 10.0,
-        "Distance of the count from the nominal drum at which the brake goes on.")  # fmt: skip
+        "Distance of the count from the nominal drum at which the brake engages.")  # fmt: skip
     drum_share: float = 0.4  # fraction of the travel of the last drum_time that is added to that distance [-]
     drum_time: float = 1.0  # time constant with which that distance decays [s]
     # speed and acceleration of the count, over the largest recently commanded, that are allowed [-]
@@ -50,7 +50,7 @@ class EnvelopeParameters:
     stroke_soon: float = 0.1  # the same for a drive that was never later during the last envelope.window of motion [s]
     stroke_span: float = 0.3  # length of the two consecutive intervals that are compared for the acceleration [s]
     brake_margin: float = parameter(0.025, "m", 0.002, 10.0,
-        "Motion of the count under the brake that is a slip; a single step of half of it is a jump.")  # fmt: skip
+        "Motion of the count with the brake on that is a slip; a single step of half of it is a jump.")  # fmt: skip
     rest_speed: float = 0.02  # speed below which a braked drum counts as at rest [m/s]
     # share of the bounds on speed and travel within which the controller keeps its own orders [-]
     used_share: float = 0.9

@@ -15,8 +15,8 @@ class LimitParameters:
     minimum_tension_ratio: float = parameter(0.1, "", 0.0, 0.95,
         "Lowest tension as a fraction of static tension; 0 means no bound.")  # fmt: skip
     maximum_tension_ratio: float = parameter(0.0, "", 0.0, 100.0,
-        "Highest tension as a multiple of static tension: plans respect it, and above it the winch pays out. Where "
-        "compensation needs more in the sea that is seen it is not kept (TENSION_LIMIT_LOW); 0: none.")  # fmt: skip
+        "Highest tension as a multiple of static tension: plans keep it, and above it the winch pays "
+        "out. If the sea requires more, it is not kept (TENSION_LIMIT_LOW); 0: none.")  # fmt: skip
 
     def __post_init__(self) -> None:
         if 0.0 < self.maximum_tension_ratio < 1.0:
@@ -37,8 +37,8 @@ class GuardParameters:
     floor: float = parameter(0.02, "m", 0.0, 10.0,
         "Residual, 1 sigma, below which compensation is never judged harmful.")  # fmt: skip
     limit_use: float = parameter(0.85, "", 0.05, 10.0,
-        "Fraction of the winch's limits that the peaks of the sea may use under a law that does not respect the "
-        "limits by itself; its authority is reduced to that.")  # fmt: skip
+        "Fraction of the winch limits that boom-tip peaks may use under a law that does not plan within "
+        "the limits; its gain is reduced accordingly.")  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -46,7 +46,7 @@ class LagParameters:
     """Adaptation to the winch's true servo, delay, gain and limits."""
 
     adaptation: bool = parameter(True,
-        description="Identify lag, delay, gain and limits of the winch by its encoder.")  # fmt: skip
+        description="Identify lag, delay, gain and limits of the winch from its encoder.")  # fmt: skip
     window: float = 20.0  # length of the record by which the winch is identified [s]
     largest: float = parameter(0.3, "s", 0.0, 5.0,
         "Largest delay of commands beyond the nominal one: above it compensation ends.")  # fmt: skip
@@ -57,7 +57,7 @@ class ModeParameters:
     """Times and rates of the mode machine."""
 
     start: str = parameter("compensating",
-        description="Mode that the controller enters by itself once its estimate has settled.",
+        description="Mode that the controller enters automatically once its estimate has settled.",
         choices=("standby", "compensating"))  # fmt: skip
     settling_time: float = parameter(20.0, "s", 0.0, 3600.0, "Time the estimator runs before compensation starts.")
     fade_in_time: float = parameter(10.0, "s", 0.05, 600.0, "Time over which compensation is faded in.")
@@ -68,7 +68,7 @@ class ModeParameters:
         description="Resume compensation automatically after a lost sensor or a command timeout of the winch; other "
         "winch faults wait for an operator.")  # fmt: skip
     resume_time: float = parameter(15.0, "s", 0.0, 3600.0,
-        "Time for which all sensors must be good before a winch that has stopped for one resumes.")  # fmt: skip
+        "Time for which all sensors must be good before a winch that stopped for a lost sensor resumes.")  # fmt: skip
     stop_deceleration: float = parameter(0.5, "m/s^2", 1e-3, 100.0, "Deceleration of an orderly stop.")
 
 
@@ -108,11 +108,11 @@ class EntryParameters:
     """What must hold before the winch begins to follow the sea."""
 
     peak_use: float = parameter(0.8, "", 0.01, 10.0,
-        "No constant tension while the peaks of the boom tip use more than this fraction of the limits; compensation "
-        "begins all the same, and reports with what authority.")  # fmt: skip
+        "Fraction of the winch limits that boom-tip peaks may use. Above it, constant tension is "
+        "refused, and compensation starts with a reduced gain, which it reports.")  # fmt: skip
     accept_unproved: bool = parameter(False,
-        description="Begin compensation although neither load cell nor depth sensor has proved the MRU: an operator's "
-        "consent, stated beforehand. One that is proved to be reversed is refused all the same.")  # fmt: skip
+        description="Start compensation although neither load cell nor depth sensor has confirmed the MRU: the "
+        "operator's consent in advance. A reversed MRU is still refused.")  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -129,9 +129,9 @@ class OperatorParameters:
     """The operator's own speed, as from a joystick: its shares of the winch; compensation has the rest."""
 
     speed_share: float = parameter(0.3, "", 0.0, 1.0,
-        "Fraction of the winch's active speed limit available to an operator; compensation has the rest.")  # fmt: skip
+        "Fraction of the winch's active speed limit for the operator; compensation has the rest.")  # fmt: skip
     acceleration_share: float = parameter(0.035, "", 0.001, 1.0,
-        "Fraction of the winch's active acceleration limit available to an operator; compensation has the rest.",
+        "Fraction of the winch's active acceleration limit for the operator; compensation has the rest.",
     )  # fmt: skip
     timeout: float = parameter(0.5, "s", 0.05, 60.0,
         "Time for which an operator's speed command holds; then it becomes zero.")  # fmt: skip
@@ -142,8 +142,8 @@ class ProgrammeParameters:
     """Moves and modes at given times: what an operator would ask for, for scenarios."""
 
     move_times: tuple[float, ...] = parameter((), "s", 0.0, None,
-        "Simulated times at which moves start, ascending; one that is due while the brake is on waits for "
-        "compensation, or for the next one to take its place.")  # fmt: skip
+        "Simulated times at which moves start, ascending; a move due while the brake is on waits for "
+        "compensation, unless the next one replaces it.")  # fmt: skip
     move_payouts: tuple[float, ...] = parameter((), "m",
         description="Target mean payout of each move; one per move_times.")  # fmt: skip
     move_speeds: tuple[float, ...] = parameter((), "m/s", 0.0, None,
@@ -177,5 +177,5 @@ class HealthParameters:
     stamp_tolerance: float = 0.001  # largest time by which the stamp of a reading may be ahead of now [s]
     encoder_step: float = parameter(0.05, "m", 1e-3, 10.0, "Deviation above which an encoder step is a jump.")
     payout_tolerance: float = parameter(0.01, "", 0.0, 1.0,
-        "Difference of depth sensor and payout that may be, over the cable that is out, beside 3 m of tide and "
-        "draught; 0: none is reported.")  # fmt: skip
+        "Allowed difference between depth sensor and payout, as a fraction of the rope out, plus 3 m for "
+        "tide and draught; 0: not checked.")  # fmt: skip

@@ -22,8 +22,8 @@ class CableModelParameters:
     inertia: float = parameter(0.0, "s^2", 0.0, 1e4,
         "a of a x'' + b x' + x = x0 - payout; 0 derives it from cable, unit, length.")  # fmt: skip
     damping: float = parameter(0.0, "s", 0.0, 1e4,
-        "b of the same equation; 0 derives it from drag: linearised at 0.1 m, and at the unit's speed where "
-        "that is more. A value given holds at any speed.")  # fmt: skip
+        "b of the same equation; 0: from drag, linearised at 0.1 m, or at the load's speed if that gives "
+        "more. A stated value holds at any speed.")  # fmt: skip
     inertia_factor: float = parameter(1.0, "", 0.1, 10.0, "Factor on a, for model errors and trials.")
     damping_factor: float = parameter(1.0, "", 0.0, 100.0, "Factor on b, for model errors and trials.")
     # amplitude at which drag is linearised; small, because the compensated unit hardly moves [m]
@@ -36,7 +36,7 @@ class CableModelParameters:
 class WinchModelParameters(WinchFigures):
     """The winch as the controller assumes it: law, lags, delay and limits."""
 
-    speed_gain: float = parameter(1.0, "", 0.1, 10.0, "Speed that the servo settles at over its set-point.")
+    speed_gain: float = parameter(1.0, "", 0.1, 10.0, "Steady speed of the servo divided by its set-point.")
     hauling_gain: float = parameter(1.0, "", 0.1, 10.0, "Factor on speed_gain while it hauls in.")
     position_gain: float = parameter(0.0, "1/s", 0.0, 1e3,
         "k_p of the servo's position loop, which acts beside its speed loop.")  # fmt: skip
@@ -124,12 +124,12 @@ class WeightParameters:
         "mpc has mpc.unit_heave.")  # fmt: skip
     unit_heave_rate: float = 0.0  # the same cost: scale of the unit's heave rate; 0 leaves it out [m/s]
     outlet_heave: float = parameter(0.05, "m", 0.0, None,
-        "The same cost: scale of boom-tip heave less payout; 0 leaves it out.")  # fmt: skip
+        "The same cost: scale of boom-tip heave less payout; 0 removes it.")  # fmt: skip
     payout: float = parameter(50.0, "m", 0.0, None,
-        "The same cost: scale of payout about its mean, which prevents drift; 0 leaves it out.")  # fmt: skip
+        "The same cost: scale of payout about its mean, which prevents drift; 0 removes it.")  # fmt: skip
     payout_rate: float = 0.0  # the same cost: scale of payout speed; 0 leaves it out [m/s]
     payout_acceleration: float = parameter(2.0, "m/s^2", 0.0, None,
-        "The same cost: scale of payout acceleration; 0 leaves it out.")  # fmt: skip
+        "The same cost: scale of payout acceleration; 0 removes it.")  # fmt: skip
     command: float = parameter(20.0, "m/s", 0.0, None,
         "The same cost: scale of the command (m for a first-order winch); must not be 0.")  # fmt: skip
 
@@ -140,11 +140,11 @@ class EstimatorParameters:
 
     gate: float = parameter(25.0, "", 1.0, 1e6, "Normalised innovation squared above which a reading is rejected.")
     gate_limit: int = parameter(100, "", 1, 100_000,
-        "Number of rejected readings in a row after which a sensor's next reading is accepted, with a new covariance.",
+        "Rejected readings in a row after which the sensor's next is accepted, with enlarged covariance.",
     )  # fmt: skip
     largest_age: float = parameter(1.0, "s", 0.0, 10.0, "Readings older than this on arrival are discarded.")
     sea_adaptation: bool = parameter(True,
-        description="Follow the sea that is seen: its height scales the noise, another period makes another design.",
+        description="Adapt to the observed sea: its height scales the noise, a new period needs a new design.",
     )  # fmt: skip
 
 
