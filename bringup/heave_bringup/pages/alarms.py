@@ -131,6 +131,7 @@ def _cells(rows: list[AlarmRow]) -> tuple[str, ...]:
         consequence = LOST if severity == LOST else consequence
     words = (re.sub(r"\{(\w+)[^}]*\}", _italic, text) for text in (first.state, consequence, _action(first)))
     parts = [row.part.upper() for row in rows if row.code != _kind(row)]
+    parts = ["any sensor"] if len(parts) == len(PLACES) and _kind(first).startswith("SENSOR_") else parts
     return (", ".join([f"`{_kind(first)}`", *parts]), severity, *words)
 
 

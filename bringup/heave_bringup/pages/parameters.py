@@ -41,9 +41,7 @@ To change a parameter for a run, use `--set NODE.PARAM=VALUE`, or the node's sec
 
 Each simulated device has a group `faults` with four lists of equal length: `kind`, `start` and `duration` [s], and
 `magnitude` ([kinds and magnitudes](../node_base/README.md#faults)). Only `kind` is listed below.
-
-`winch_envelope`, the envelope as a separate node, has parameters of `winch_controller`; its `mru.*` are the
-controller's `sensors.mru.*`.
+Parameters of the separate node `winch_envelope` are those of `winch_controller`, with `mru.*` for `sensors.mru.*`.
 """
 
 AS_STATED = ("faults.start", "faults.duration", "faults.magnitude")

@@ -23,7 +23,7 @@ STALE, ABSENT = "stale", "absent"
 
 REJECTED_WORDS = {
     "nan": "it is not a number",
-    "out of range": "it is larger than any that can be",
+    "out of range": "it exceeds what is possible",
     "wrong stamp": "its time stamp is missing or ahead of the clock",
     "late": "it is out of order",
     "spike": "it is far from the estimate",
