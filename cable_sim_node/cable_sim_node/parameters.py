@@ -24,7 +24,7 @@ class CableParameters(Checked):
 
     diameter: float = parameter(0.047, "m", 1e-4, 2.0, "Outer diameter, used for drag.")
     displaced_diameter: float = parameter(0.0, "m", 0.0, 2.0,
-        "Diameter used for buoyancy and added mass; 0 means the outer diameter.")  # fmt: skip
+        "Diameter used for buoyancy and added mass; 0: the outer diameter.")  # fmt: skip
     mass_per_length: float = parameter(5.4, "kg/m", 1e-4, None, "Mass in air, without added mass.")
     axial_stiffness: float = parameter(1.5614508e7, "N", 1e-3, None, "EA: tension per unit strain at small strain.")
     stiffness_quadratic: float = parameter(0.0, description="q of T = EA e (1 + q e + c e^2) at strain e.")
@@ -37,13 +37,13 @@ class CableParameters(Checked):
         "the cable is stiffer by 1.6 times this factor.")  # fmt: skip
     loss_swing: float = parameter(0.1, "", 1e-3, 1.0,
         "Tension amplitude over mean tension at which the loss is largest; at half of it there is none.")  # fmt: skip
-    bending_stiffness: float = parameter(0.0, "N m^2", 0.0, None, "EI; 0 means a perfectly flexible cable.")
+    bending_stiffness: float = parameter(0.0, "N m^2", 0.0, None, "EI; 0: a perfectly flexible cable.")
     normal_drag: float = parameter(1.2, "", 0.0, None, "C_N: force (1/2) rho C_N d U^2 per metre.")
     tangential_drag: float = parameter(0.01, "", 0.0, None,
         "C_tau: force (pi/2) rho C_tau d U^2 per metre (other codes' C_d is pi C_tau).")  # fmt: skip
     added_mass: float = parameter(1.0, "", 0.0, None, "Added-mass coefficient normal to the cable.")
     breaking_force: float = parameter(0.0, "N", 0.0, None,
-        "Minimum breaking load (MBL) of the cable, for its safety factor; 0 means not stated.")  # fmt: skip
+        "Minimum breaking load (MBL) of the cable, for its safety factor; 0: not stated.")  # fmt: skip
     safety_factor: float = parameter(SAFETY_FACTOR, "", 1.0, 100.0,
         "Required ratio of breaking force to largest tension; below it, the run fails. Default: 1.3 x "
         "1.3 x 1.5, GL Noble Denton 0027/ND for steel wire rope.")  # fmt: skip
@@ -68,7 +68,7 @@ class SectionsParameters:
     length: tuple[float, ...] = parameter((), "m", 1e-3, None, "Unstretched length of each section, from the unit.")
     diameter: tuple[float, ...] = parameter((), "m", 1e-4, None, "Outer diameter of each section.")
     displaced_diameter: tuple[float, ...] = parameter((), "m", 0.0, None,
-        "Displaced diameter of each section; an empty list or 0 means the outer diameter.")  # fmt: skip
+        "Displaced diameter of each section; an empty list or 0: the outer diameter.")  # fmt: skip
     mass_per_length: tuple[float, ...] = parameter((), "kg/m", 1e-4, None, "Mass in air of each section.")
     axial_stiffness: tuple[float, ...] = parameter((), "N", 1e-3, None, "EA of each section.")
 
@@ -112,7 +112,7 @@ class SeabedProfileParameters:
     """
 
     distance: tuple[float, ...] = parameter((), "m",
-        description="Distances from the origin along `direction`, increasing; empty means a plane.")  # fmt: skip
+        description="Distances from the origin along `direction`, increasing; empty: a plane.")  # fmt: skip
     height: tuple[float, ...] = parameter((), "m", description="Height of the bottom above the plane there.")
     direction: float = parameter(0.0, "rad", description="Direction of the profile, from x towards y.")
 
@@ -134,7 +134,7 @@ class SeabedParameters:
     A deck is a level bottom that goes up and down with the boom tip, and stays where it is otherwise.
     """
 
-    depth: float = parameter(0.0, "m", 0.0, None, "Water depth below the origin; 0 means no seabed.")
+    depth: float = parameter(0.0, "m", 0.0, None, "Water depth below the origin; 0: no seabed.")
     deck: bool = parameter(False,
         description="The bottom is the ship's deck: level, and always `depth` below the boom tip.")  # fmt: skip
     slope: tuple[float, ...] = parameter((0.0, 0.0),
@@ -156,7 +156,7 @@ class SeabedParameters:
 class CurrentProfileParameters:
     """A sheared current that replaces the uniform `current`; straight between the points, constant beyond them."""
 
-    depth: tuple[float, ...] = parameter((), "m", description="Depths of the profile, increasing; empty means uniform.")
+    depth: tuple[float, ...] = parameter((), "m", description="Depths of the profile, increasing; empty: uniform.")
     velocity_x: tuple[float, ...] = parameter((), "m/s", description="Velocity along x at each depth.")
     velocity_y: tuple[float, ...] = parameter((), "m/s", description="Velocity along y at each depth.")
 
@@ -196,7 +196,7 @@ class WaveKinematicsParameters:
 class CompensatorParameters(Checked):
     """A passive compensator that carries the sheave: spring and damper with end stops, working along the vertical."""
 
-    stiffness: float = parameter(0.0, "N/m", 0.0, None, "Spring stiffness; 0 means no compensator.")
+    stiffness: float = parameter(0.0, "N/m", 0.0, None, "Spring stiffness; 0: no compensator.")
     damping: float = parameter(0.0, "N s/m", 0.0, None, "Damping of the compensator.")
     moving_mass: float = 500.0  # that moves with the sheave [kg]
     stroke: float = parameter(4.0, "m", 1e-3, None, "Full stroke; the end stops are at plus and minus half of it.")
@@ -245,7 +245,7 @@ class CableSimParameters:
     current: tuple[float, ...] = parameter((0.0, 0.0), "m/s", -10.0, 10.0,
         "Current along x and y, uniform unless a profile is given.", length=2)  # fmt: skip
     water_density: float = parameter(SEAWATER_DENSITY, "kg/m^3", 0.0, 2000.0,
-        "Density of the surrounding fluid; 0 is a vacuum.")  # fmt: skip
+        "Density of the surrounding fluid; 0: vacuum.")  # fmt: skip
     surface: bool = parameter(True,
         description="Water up to z = 0 and the wave; false: water everywhere.",
     )  # fmt: skip

@@ -25,15 +25,15 @@ def _check_table(group_name: str, columns: dict[str, tuple[float, ...]]) -> None
 class BoxParameters:
     """The box around the unit, which stands on the unit's own point; where its height is given, it may be in air."""
 
-    length: float = parameter(0.0, "m", 0.0, None, "Length of the box; 0 means no box.")
+    length: float = parameter(0.0, "m", 0.0, None, "Length of the box; 0: no box.")
     breadth: float = parameter(0.0, "m", 0.0, None, "Breadth of the box.")
     height: float = parameter(0.0, "m", 0.0, None,
         "Height of the box, for its immersion in the splash zone; 0: always under water.")  # fmt: skip
     perforation: float = parameter(0.0, "", 0.0, 0.5,
         "Open fraction of the box's horizontal area; it reduces the added mass.")  # fmt: skip
     slamming: float = parameter(5.0, "", 0.0, None,
-        "Slamming coefficient C_s of the underside: force (1/2) rho C_s A U^2 while it enters the water, A length "
-        "times breadth, holes included; 0 means no slam.")  # fmt: skip
+        "Slamming coefficient C_s of the underside: force (1/2) rho C_s A U^2 while it enters the water, "
+        "A length times breadth, holes included; 0: no slam.")  # fmt: skip
 
     def __post_init__(self) -> None:
         check_ranges(self)
@@ -94,7 +94,7 @@ class UnitParameters:
     drag_law: str = "per_axis"
     thrust: tuple[float, ...] = (0.0, 0.0, 0.0)  # constant thruster force on the unit, x, y, z [N]
     attachment_breaking_force: float = parameter(0.0, "N", 0.0, None,
-        "Breaking force of what joins cable and unit (termination, shackle, padeye); 0 means not stated.")  # fmt: skip
+        "Breaking force of what joins cable and unit (termination, shackle, padeye); 0: not stated.")  # fmt: skip
     attachment_safety_factor: float = parameter(SAFETY_FACTOR, "", 1.0, 100.0,
         "Required ratio of the attachment's breaking force to its largest load, as cable.safety_factor.")  # fmt: skip
 

@@ -60,7 +60,7 @@ class CourseParameters:
 class MruParameters:
     """The motion reference unit at the boom tip."""
 
-    rate: float = parameter(0.0, "Hz", 0.0, 1000.0, "Rate of readings; 0 means one per tick.")
+    rate: float = parameter(0.0, "Hz", 0.0, 1000.0, "Rate of readings; 0: one per tick.")
     noise: float = parameter(0.01, "m", 0.0, 1.0, "White noise of heave: standard deviation of each reading.")
     rate_noise: float = parameter(0.01, "m/s", 0.0, 1.0,
         "White noise of heave rate: standard deviation of each reading.")  # fmt: skip
@@ -70,10 +70,10 @@ class MruParameters:
         "Coloured error of heave (first-order Gauss-Markov process), standard deviation.")  # fmt: skip
     wander_time: float = parameter(60.0, "s", 0.01, 1e4,
         "Time constant of wander: a second colours the noise, a minute lets the zero drift.")  # fmt: skip
-    resolution: float = parameter(0.0, "m", 0.0, 1.0, "Step of the readings of heave; 0 means none.")
-    rate_resolution: float = parameter(0.0, "m/s", 0.0, 1.0, "Step of the readings of heave rate; 0 means none.")
+    resolution: float = parameter(0.0, "m", 0.0, 1.0, "Step of the readings of heave; 0: none.")
+    rate_resolution: float = parameter(0.0, "m/s", 0.0, 1.0, "Step of the readings of heave rate; 0: none.")
     high_pass_period: float = parameter(0.0, "s", 0.0, 300.0,
-        "Cut-off period of the second-order high-pass filter; 0 means no filter.")  # fmt: skip
+        "Cut-off period of the second-order high-pass filter; 0: no filter.")  # fmt: skip
     high_pass_damping: float = parameter(0.7071, "", 0.2, 2.0, "Damping ratio of the high-pass filter.")
     scale_error: float = parameter(0.0, "", -0.5, 0.5, "Relative scale error: 0.05 reads 5 % high.")
     lever_arm_error: tuple[float, ...] = parameter((0.0, 0.0, 0.0), "m", -10.0, 10.0,
@@ -192,7 +192,7 @@ class SpreadingParameters:
     """Directional spreading of the wave energy."""
 
     exponent: float = parameter(0.0, "", 0.0, 500.0,
-        "s of cos^2s(angle/2) spreading about the direction; 0 means long-crested.")  # fmt: skip
+        "s of cos^2s(angle/2) spreading about the direction; 0: long-crested.")  # fmt: skip
 
 
 @dataclass(frozen=True)

@@ -198,8 +198,8 @@ def _table(ports: Sequence[Port]) -> list[str]:
 
 
 def _read(contract: Contract) -> str:
-    """Return what a node may read: a topic's type and meaning stand where it is published, else here."""
-    published = {port.topic.name for one in CONTRACTS for port in one.publishes}
+    """Return what a node may read: type and meaning of a topic that no other section of the page has stand here."""
+    published = {CLOCK.topic.name, *(port.topic.name for one in CONTRACTS for port in one.publishes)}
     return ", ".join(
         f"`{port.topic.name}`" + ("" if port.topic.name in published else f" (`{port.topic.type}`: {port.meaning})")
         for port in contract.hears

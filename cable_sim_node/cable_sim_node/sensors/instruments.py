@@ -37,7 +37,7 @@ class DepthSensorParameters(SensorParameters):
     latency: float = parameter(0.1, "s", 0.0, 600.0, "Delay from the measurement (its stamp) to its delivery.")
     noise: float = parameter(0.02, "m", 0.0, 100.0, "Standard deviation of white noise, in depth.")
     bias: float = parameter(0.0, "m", -1000.0, 1000.0, "Constant error, in depth.")
-    resolution: float = parameter(0.0, "m", 0.0, 10.0, "Step of its readings, in depth; 0 means none.")
+    resolution: float = parameter(0.0, "m", 0.0, 10.0, "Step of its readings, in depth; 0: none.")
 
     def view(self, truth: SensorTruth) -> View:
         """See the depth, positive down from still water [m]."""
@@ -53,7 +53,7 @@ class VelocitySensorParameters(SensorParameters):
     noise: float = parameter(0.01, "m/s", 0.0, 100.0, "Standard deviation of white noise on each axis.")
     bias: float = parameter(0.0, "m/s", -100.0, 100.0, "Constant error on each axis.")
     bottom_range: float = parameter(0.0, "m", 0.0, 20_000.0,
-        "Largest height above the seabed at which there is bottom lock; 0 means lock everywhere.")  # fmt: skip
+        "Largest height above the seabed at which there is bottom lock; 0: lock everywhere.")  # fmt: skip
 
     def view(self, truth: SensorTruth) -> View:
         """See the velocity over ground x, y, z [m/s], where there is bottom lock."""

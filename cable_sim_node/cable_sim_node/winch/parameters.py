@@ -22,7 +22,7 @@ from cable_sim_node.winch.installed_drives import (
 class EncoderParameters:
     """The drum encoder: its reading of the payout."""
 
-    resolution: float = parameter(0.001, "m", 0.0, 1.0, "Resolution of the encoder in payout; 0 means no quantisation.")
+    resolution: float = parameter(0.001, "m", 0.0, 1.0, "Resolution of the encoder in payout; 0: no quantisation.")
     faults: FaultParameters = group(EncoderFaultParameters)
     backlash: float = parameter(0.0, "m", 0.0, 1.0, "Backlash of its gear: the reading lags by half of it.")
 
@@ -40,7 +40,7 @@ class WinchDriftParameters(Checked):
     """
 
     start: float = parameter(0.0, "s", 0.0, None, "Slow change of the winch: simulated time at which it begins.")
-    duration: float = parameter(0.0, "s", 0.0, 1e5, "Duration of the change; 0 means none.")
+    duration: float = parameter(0.0, "s", 0.0, 1e5, "Duration of the change; 0: none.")
     gain: float = parameter(1.0, "", 0.1, 3.0, "Factor on speed_gain at the end of the change.")
     speed: float = parameter(1.0, "", 0.05, 2.0, "Factor on speed_limit at the end of the change.")
     acceleration: float = parameter(1.0, "", 0.05, 2.0, "Factor on acceleration_limit at the end of the change.")
@@ -79,8 +79,8 @@ class OwnWinchParameters(WinchFigures):
         "Relative error of the drum radius: the cable moves by this much more than drive and encoder "
         "count with the nominal radius.")  # fmt: skip
     rated_pull: float = parameter(0.0, "N", 0.0, None,
-        "Rated pull of the winch on its outermost layer, which the largest tension must not exceed; 0 means not "
-        "stated.")  # fmt: skip
+        "Rated pull of the winch on its outermost layer, which the largest tension must not exceed; 0: "
+        "not stated.")  # fmt: skip
     command_timeout: float = parameter(0.5, "s", 1e-3, 3600.0,
         "Watchdog: simulated time without a fresh command after which the winch stops and brakes.")  # fmt: skip
     supervision_time: float = parameter(1.0, "s", 0.0, 60.0,

@@ -125,7 +125,7 @@ class PumpControlledParameters(Checked):
     motor_displacement: float = parameter(5e-5, "m^3/rad", 1e-9, 1.0,
         "D_m: displacement of all motors together, at full stroke.")  # fmt: skip
     motor_minimum: float = parameter(1.0, "", 0.05, 1.0,
-        "Smallest displacement as a fraction of full displacement; 1 is a fixed-displacement motor.")  # fmt: skip
+        "Smallest displacement, as a fraction of the full one; 1: fixed displacement.")  # fmt: skip
     motor_time_constant: float = 0.1  # time constant of the motors' displacement [s]
     motor_efficiency: float = 0.92  # eta: mechanical efficiency of motors and gear [-]
     is_passive: bool = True  # losses from efficiency act as friction; false: as a constant factor, as published

@@ -30,7 +30,7 @@ class FaultParameters:
     kind: tuple[str, ...] = parameter((), description=_KINDS, choices=tuple(FAULTS))
     start: tuple[float, ...] = parameter((), "s", 0.0, None, "Start of each fault, simulated time.")
     duration: tuple[float, ...] = parameter((), "s", 0.0, None,
-        "Duration of each fault; 0 means until cleared or to the end of the run.")  # fmt: skip
+        "Duration of each fault; 0: until cleared or to the end of the run.")  # fmt: skip
     magnitude: tuple[float, ...] = parameter((),
         description="Magnitude of each: sensor's unit for spike and jump, factor for scale, Hz for rate, s for delay.",
     )  # fmt: skip

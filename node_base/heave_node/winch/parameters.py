@@ -28,4 +28,4 @@ class WinchFigures:
     payout_minimum: float = parameter(-50.0, "m", -20_000.0, 20_000.0, "Lower end of the payout range.")
     payout_maximum: float = parameter(50.0, "m", -20_000.0, 20_000.0, "Upper end of the payout range.")
     power_limit: float = parameter(0.0, "W", 0.0, 1e9,
-        "Largest product of tension and speed in either direction; 0 means no limit.")  # fmt: skip
+        "Largest product of tension and speed in either direction; 0: no limit.")  # fmt: skip

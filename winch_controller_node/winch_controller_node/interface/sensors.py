@@ -133,7 +133,7 @@ class MruModelParameters(SampledSensorParameters):
     noise: float = parameter(0.01, "m", 1e-5, LARGEST_NOISE, "White noise of heave, 1 sigma.")
     rate_noise: float = parameter(0.01, "m/s", 1e-5, LARGEST_NOISE, "White noise of heave rate, 1 sigma.")
     high_pass_period: float = parameter(0.0, "s", 0.0, 300.0,
-        "Cut-off period of its high-pass filter; 0 means no filter.")  # fmt: skip
+        "Cut-off period of its high-pass filter; 0: no filter.")  # fmt: skip
     high_pass_damping: float = parameter(0.7071, "", 0.2, 2.0, "Damping ratio of its high-pass filter.")
     scale_sigma: float = parameter(0.0, "", 0.0, 0.5, "Possible scale error, 1 sigma; 0: not estimated.")
     bias_sigma: float = parameter(0.0, "m", 0.0, 100.0,

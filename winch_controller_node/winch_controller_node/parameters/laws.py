@@ -13,7 +13,7 @@ class LimitParameters:
 
     payout_margin: float = parameter(1.0, "m", 0.0, 100.0, "Margin kept to the ends of the payout range.")
     minimum_tension_ratio: float = parameter(0.1, "", 0.0, 0.95,
-        "Lowest tension as a fraction of static tension; 0 means no bound.")  # fmt: skip
+        "Lowest tension as a fraction of static tension; 0: no bound.")  # fmt: skip
     maximum_tension_ratio: float = parameter(0.0, "", 0.0, 100.0,
         "Highest tension as a multiple of static tension: plans keep it, and above it the winch pays "
         "out. If the sea requires more, it is not kept (TENSION_LIMIT_LOW); 0: none.")  # fmt: skip
