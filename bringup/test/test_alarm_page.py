@@ -29,6 +29,14 @@ def test_every_alarm_of_every_table_is_on_the_page():
     assert [row.code for _, row in ROWS if f"`{row.code.partition(', ')[0]}`" not in text] == []
 
 
+def test_a_cell_refers_only_to_a_row_of_the_same_code():
+    rows = [line.split("|") for line in PAGE.read_text().splitlines() if line.startswith("|`")]
+    codes = [row[1].partition(",")[0] for row in rows]
+    referring = [number for number, row in enumerate(rows) if "as above" in row]
+    assert referring
+    assert [rows[number] for number in referring if codes[number - 1] != codes[number]] == []
+
+
 def test_a_code_means_one_thing_in_all_packages():
     packages = [{row.code for row in table.values()} for table in TABLES.values()]
     assert len(set().union(*packages)) == sum(map(len, packages))

@@ -185,15 +185,8 @@ def _table(ports: Sequence[Port]) -> list[str]:
     """Return the table of what a node publishes."""
     rows = ["|publishes|type|rate|required|meaning|", "|---|---|---|---|---|"]
     for port in ports:
-        rate = f"{port.rate:g} Hz" if port.rate else "-"
-        cells = (
-            f"`{port.topic.name}`",
-            f"`{port.topic.type}`",
-            rate,
-            "yes" if port.is_required else "no",
-            port.meaning,
-        )
-        rows.append(f"|{'|'.join(cells)}|")
+        rate, required = f"{port.rate:g} Hz" if port.rate else "-", "yes" if port.is_required else "no"
+        rows.append(f"|`{port.topic.name}`|`{port.topic.type}`|{rate}|{required}|{port.meaning}|")
     return rows
 
 

@@ -79,9 +79,17 @@ def page() -> str:
     """Return the page as Markdown: a table for each package."""
     parts = [HEAD.read_text(encoding="utf-8").format(**VALUES, loss_table=_loss_table())]
     for title, table in TABLES.items():
-        lines = [COLUMNS, ("---",) * len(COLUMNS), *map(_cells, _grouped(table.values()))]
+        rows = [COLUMNS, ("---",) * len(COLUMNS), *map(_cells, _grouped(table.values()))]
+        lines = [rows[0], *map(_beside, rows, rows[1:])]
         parts.append(f"## {title}\n\n{_lines(lines)}\n")
     return "\n".join(parts)
+
+
+def _beside(above: tuple[str, ...], row: tuple[str, ...]) -> tuple[str, ...]:
+    """Return a `row` that refers to the row `above` of the same code where consequence or action are the same."""
+    same = above[0].partition(",")[0] == row[0].partition(",")[0]
+    cells = zip(above[3:], row[3:], strict=True)
+    return (*row[:3], *("as above" if same and new == old and " " in new else new for old, new in cells))
 
 
 def _lost(part: str) -> AlarmRow:
