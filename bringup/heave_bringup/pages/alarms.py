@@ -80,8 +80,7 @@ def page() -> str:
     parts = [HEAD.read_text(encoding="utf-8").format(**VALUES, loss_table=_loss_table())]
     for title, table in TABLES.items():
         rows = [COLUMNS, ("---",) * len(COLUMNS), *map(_cells, _grouped(table.values()))]
-        lines = [rows[0], *map(_beside, rows, rows[1:])]
-        parts.append(f"## {title}\n\n{_lines(lines)}\n")
+        parts.append(f"## {title}\n\n{_lines([rows[0], *map(_beside, rows, rows[1:])])}\n")
     return "\n".join(parts)
 
 
