@@ -77,7 +77,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         action="append",
         default=[],
         metavar="KPI<VALUE",
-        help="add a criterion to the verdict, such as significant_residual<5cm; a FAILED verdict is exit status 3",
+        help="add a criterion to the verdict, such as significant_residual<5cm; a FAILED verdict gives exit status 3",
     )
     parser.add_argument(
         "--quiet",
@@ -94,8 +94,8 @@ def _add_places(parser: argparse.ArgumentParser) -> None:
     add_replace(
         parser,
         f"replace NODE; repeatable. {EXTERNAL}: by hardware or another program, in real time (the "
-        "topic of a sensor, such as winch/load_cell, replaces that sensor only; CLOCK is how it stamps: simulated, own "
-        f"or none, else detected; S is its latency [s]). {LOCKSTEP}: by your program, which takes part in every cycle "
+        "topic of a sensor, like winch/load_cell, replaces that sensor only; CLOCK is that of its stamps: simulated, "
+        f"own, none, or detected; S its latency [s]). {LOCKSTEP}: by your program, which takes part in every cycle "
         f"(docs/contract.md); in place of cable_sim, start ship_clock as clock master. {BAG}: by its messages in that "
         "bag. fmu: virtual_winch only, by an FMU or a map that names one (.yaml); its code runs with your rights, so "
         f"use only one that you trust. {NONE}: {ADVISER} only; the controller keeps its nominal parameters",

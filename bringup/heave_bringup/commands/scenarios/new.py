@@ -56,7 +56,7 @@ SEA = {"hs": "system.sea.significant_wave_height", "tp": "system.sea.peak_period
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the command's own arguments to `parser`."""
     parser.add_argument("file", metavar="SCENARIO", help="name or file to write; my_lift writes my_lift.yaml")
-    add_model(parser, "begin with the values of this one")
+    add_model(parser, "start from the values of this scenario")
     for kind in KINDS:
         words = "load (unit)" if kind == "unit" else kind
         parser.add_argument(f"--{kind}", metavar="NAME", help=f"a {words} of the catalogue (heave catalogue {kind})")

@@ -35,7 +35,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--language",
         choices=("python", "c"),
         default="python",
-        help="c: controller compiled, with sources, without adviser, for any place without Python (default: python)",
+        help="c: compiled controller with its sources, without adviser, for targets without Python (default: python)",
     )
     parser.add_argument("--folder", type=Path, metavar="DIR", help="output folder (default: SCENARIO_fmu)")
 

@@ -20,8 +20,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--host",
         default="127.0.0.1",
-        help="address to serve the page on (default: this machine only); beyond it a browser needs the token that is "
-        "printed",
+        help="address to serve the page on (default: this machine only); other machines need the printed token",
     )
     parser.add_argument("--port", type=port_number, default=DEFAULT_PORT, help=f"default: {DEFAULT_PORT}")
     add_namespace(parser, "the run is in namespace NAME")

@@ -40,8 +40,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--case",
         metavar="FILE.parquet:CASE",
-        help="write the scenario of one case of a table, to run it over ROS (with any files it needs that no longer "
-        "exist)",
+        help="write the scenario of one case of a table, and missing files that it needs, to run it over ROS",
     )
     parser.add_argument(
         "--vary",
@@ -64,8 +63,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--ask", action="append", default=[], metavar="KEY=VALUE", help="an option of the study (--list); repeatable"
     )
-    parser.add_argument("--forecast", metavar="FILE", help="the seas to come (time, hs, tp): when the lift can go")
-    parser.add_argument("--full", action="store_true", help="run every case in the full loop, where a study screens")
+    parser.add_argument("--forecast", metavar="FILE", help="forecast (time, hs, tp), to find weather windows")
+    parser.add_argument("--full", action="store_true", help="run every case in the full loop, without screening")
     parser.add_argument(
         "--output",
         type=Path,
