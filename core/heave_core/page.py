@@ -16,12 +16,8 @@ unit and meaning of every field.
 | file in `core/heave_core/src/` | what it does |
 |---|---|
 | `envelope.cpp` | limits commands, takes over, brakes: [the envelope](guide/controller/envelope.md) |
-| `ship.cpp` | raw readings of MRU, drum count and load cell |
-| `drum.cpp` | nominal drum, driven by the commands sent |
-| `move.cpp` | move requested by the operator |
-| `filter.cpp` | Kalman filter: gates, sensor streams, late readings |
-| `filter_model.cpp` | drag, slack cable, measurement row of a reading |
-| `filter_steps.cpp` | prediction, correction |
+| `ship.cpp`, `drum.cpp`, `move.cpp` | raw readings; nominal drum, driven by the commands sent; requested move |
+| `filter.cpp`, `filter_model.cpp`, `filter_steps.cpp` | Kalman filter: gates, late readings, quadratic drag, slack cable |
 | `pass.cpp` | runs many variants of a linear filter over a record at once, for the adviser |
 | `servo.cpp` | simulates a drum driven by the set-points sent, to predict its encoder |
 | `drum_watch.cpp` | compares commands and encoder over the last seconds to find a faulty drum or encoder |
@@ -30,30 +26,24 @@ unit and meaning of every field.
 | `sense.cpp` | first half of a tick, in one call: readings, gates, filter, motions |
 | `sensor_gate.cpp` | checks each sensor: not a number, bad time stamp, frozen value |
 | `noise.cpp` | estimates noise and rate of a sensor from its readings |
-| `steps.cpp` | detects jumps of MRU and depth sensor |
-| `encoder.cpp` | compares the drum count with the commanded travel |
+| `steps.cpp`, `encoder.cpp` | detect jumps of MRU and depth sensor; compare drum count and commanded travel |
 | `terms.cpp` | prepares a gated reading for the filter: subtracts the effect of the mean payout |
 | `watches.cpp` | checks filter consistency, mean tension over the waves, and whether the boom tip is known |
 | `sea.cpp` | compares the observed sea with the design sea |
 | `second.cpp` | runs a second filter in parallel, with another model |
-| `unit.cpp` | simulates a load below a known top motion: quadratic drag, slack cable |
+| `unit.cpp`, `nominal_load.cpp` | simulate a load below a known top motion, also with the winch locked |
 | `guard.cpp` | detects compensation that makes the motion worse: drum, swing, depth sensor, waves |
-| `authority.cpp` | finds the gain predicted to leave the least motion |
+| `authority.cpp`, `demand.cpp` | gain predicted to leave the least motion; gain that the winch allows in this sea |
 | `supervise.cpp` | decisions of a tick: landing, guard, link, damping, modes; sets a bit per event |
 | `start_gates.cpp` | start conditions of compensation and CT mode; tension limit |
 | `standing_load.cpp` | checks with the brake on that the cable carries the load; compares payout and depth |
-| `modes.cpp` | runs the table of modes, ramps the gain |
-| `attempts.cpp` | decides whether failed compensation is tried again, and with what gain |
-| `proofs.cpp` | checks the MRU against load cell and depth sensor before the brake opens |
-| `fit.cpp` | fits a sensor's record to its prediction |
+| `modes.cpp`, `attempts.cpp` | run the table of modes, ramp the gain, decide on a further attempt |
+| `proofs.cpp`, `fit.cpp` | check the MRU against load cell and depth sensor before the brake opens |
 | `brake.cpp` | checks a braked drum by the load cell, and the drum count by the drive's speed |
-| `demand.cpp` | demand of the sea on the winch, and the gain that this allows |
-| `statistics.cpp` | running standard deviations and amplitudes |
+| `statistics.cpp`, `trend.cpp` | running standard deviations and amplitudes; straight-line fit |
 | `landing.cpp` | detects touchdown and lift-off |
-| `trend.cpp` | mean and straight line of the newest readings |
 | `kpi.cpp` | figures of merit over a rolling window |
 | `act.cpp` | second half of a tick: command, mean payout, set-points, envelope |
-| `nominal_load.cpp` | simulates the nominal load with the winch locked, moved by the raw MRU |
 | `load_watch.cpp` | detects slack cable, high tension, an overloaded rope, a winch at its limits |
 | `laws.cpp` | linear feedback; checks whether a plan keeps the limits without correction |
 | `governor.cpp` | limits every command to what the winch can do |
@@ -69,10 +59,21 @@ ctypes and releases the interpreter lock. To save a part at a tick, copy its sta
 """
 
 
+ORDER = ("Gate", "Harm", "Cause", "Happened", "Asks")
+"""Names of numbers in the order of a controller on a PLC (`controller.h`)."""
+
+NUMBERS = """## Numbers
+
+In the order of `controller.h`; all others are in the C++ header.
+
+| what | names |
+|---|---|"""
+
+
 def page() -> str:
     """Return the page as Markdown."""
-    names = ["## Numbers", "", "| what | names |", "|---|---|"]
-    names += [f"| `{kind.__name__}` | {', '.join(f'{one.name} {int(one)}' for one in kind)} |" for kind in ENUMERATIONS]
+    kinds = [kind for kind in ENUMERATIONS if kind.__name__ in ORDER]
+    names = [NUMBERS, *(f"| `{one.__name__}` | {', '.join(f'{n.name} {int(n)}' for n in one)} |" for one in kinds)]
     left, structures = list(STRUCTURES), ["## Structures", "", "| table | structures |", "|---|---|"]
     for table in TABLES:
         own = [one for one in left if one in vars(table).values()]

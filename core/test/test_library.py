@@ -1,5 +1,6 @@
 """The table of the layout beside the library that was compiled from it, and beside its page."""
 
+import re
 import subprocess
 from pathlib import Path
 
@@ -8,7 +9,7 @@ import pytest
 from heave_core import layout, library
 from heave_core.envelope_table import DRUM
 from heave_core.library import LibraryError, dtype_of
-from heave_core.page import page
+from heave_core.page import ORDER, page
 from heave_core.rows import COUNTER, NUMBER, Row, Structure
 
 REPOSITORY = Path(__file__).parents[2]
@@ -80,6 +81,13 @@ def test_a_delay_longer_than_what_is_kept_is_refused():
 
 def test_the_page_of_the_documentation_is_the_table():
     assert (REPOSITORY / "docs/core.md").read_text(encoding="utf-8") == page()
+
+
+def test_the_page_has_the_numbers_that_the_order_of_a_plc_names():
+    order = (REPOSITORY / "core/heave_core/plc/controller.h").read_text(encoding="utf-8").partition("/* The order")[2]
+    named = {kind.__name__ for kind in layout.ENUMERATIONS if re.search(rf"\b{kind.__name__}[:;]", order)}
+    assert named == set(ORDER)
+    assert [name for name in named if f"| `{name}` |" not in page()] == []
 
 
 MATHEMATICS = (
