@@ -17,7 +17,7 @@ unit and meaning of every field.
 |---|---|
 | `envelope.cpp` | limits commands, takes over, brakes: [the envelope](guide/controller/envelope.md) |
 | `ship.cpp`, `drum.cpp`, `move.cpp` | raw readings; nominal drum, driven by the commands sent; requested move |
-| `filter.cpp`, `filter_model.cpp`, `filter_steps.cpp` | Kalman filter: gates, late readings, quadratic drag, slack cable |
+| `filter.cpp`, `filter_model.cpp`, `filter_steps.cpp` | Kalman filter: gates, late readings, drag, slack cable |
 | `pass.cpp` | runs many variants of a linear filter over a record at once, for the adviser |
 | `servo.cpp` | simulates a drum driven by the set-points sent, to predict its encoder |
 | `drum_watch.cpp` | compares commands and encoder over the last seconds to find a faulty drum or encoder |
