@@ -29,7 +29,7 @@ class CableSimNodeParameters(CableSimParameters):
     boom_tip_height: float = parameter(0.0, "m", -100.0, 200.0,
         "Height of the mean boom tip above still water at the start.")  # fmt: skip
     shadow_follows_programme: bool = parameter(False,
-        description="The uncompensated plant follows the controller's depth programme; false: its winch stays locked.",
+        description="The winch of the uncompensated plant follows the depth programme; false: it stays locked.",
     )  # fmt: skip
     sensors: SensorsParameters = group(SensorsParameters)
 

@@ -28,7 +28,7 @@ class CableParameters(Checked):
     mass_per_length: float = parameter(5.4, "kg/m", 1e-4, None, "Mass in air, without added mass.")
     axial_stiffness: float = parameter(1.5614508e7, "N", 1e-3, None, "EA: tension per unit strain at small strain.")
     stiffness_quadratic: float = parameter(0.0, description="q of T = EA e (1 + q e + c e^2) at strain e.")
-    stiffness_cubic: float = parameter(0.0, description="c of that tension law.")
+    stiffness_cubic: float = parameter(0.0, description="c of T = EA e (1 + q e + c e^2) at strain e.")
     internal_damping: float = parameter(0.0, "N s", 0.0, None,
         "Tension per unit strain rate, at most the elastic tension.")  # fmt: skip
     loss_factor: float = parameter(0.0, "", 0.0, 0.3,
@@ -113,7 +113,7 @@ class SeabedProfileParameters:
 
     distance: tuple[float, ...] = parameter((), "m",
         description="Distances from the origin along `direction`, increasing; empty: a plane.")  # fmt: skip
-    height: tuple[float, ...] = parameter((), "m", description="Height of the bottom above the plane there.")
+    height: tuple[float, ...] = parameter((), "m", description="Height of the bottom above the plane at each distance.")
     direction: float = parameter(0.0, "rad", description="Direction of the profile, from x towards y.")
 
     def __post_init__(self) -> None:

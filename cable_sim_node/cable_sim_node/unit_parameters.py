@@ -60,9 +60,9 @@ class OscillationParameters:
     """
 
     kc: tuple[float, ...] = parameter((), "", 0.0, None, "Keulegan-Carpenter numbers KC, increasing; empty: constant.")
-    added_mass: tuple[float, ...] = parameter((), "kg", 0.0, None, "Vertical added mass at each point.")
+    added_mass: tuple[float, ...] = parameter((), "kg", 0.0, None, "Vertical added mass at each KC.")
     drag_coefficient: tuple[float, ...] = parameter((), "", 0.0, None,
-        "Vertical C_D at each point, for the vertical drag_area.")  # fmt: skip
+        "Vertical C_D at each KC, for the vertical drag_area.")  # fmt: skip
     width: float = parameter(0.0, "m", 0.0, None, "Length from which KC is computed.")
     memory: float = 60.0  # time constant over which z_m is taken, the square root of 2 times the rms of the heave [s]
 
@@ -94,7 +94,7 @@ class UnitParameters:
     drag_law: str = "per_axis"
     thrust: tuple[float, ...] = (0.0, 0.0, 0.0)  # constant thruster force on the unit, x, y, z [N]
     attachment_breaking_force: float = parameter(0.0, "N", 0.0, None,
-        "Breaking force of what joins cable and unit (termination, shackle, padeye); 0: not stated.")  # fmt: skip
+        "Breaking force of termination, shackle and padeye at the load; 0: not stated.")  # fmt: skip
     attachment_safety_factor: float = parameter(SAFETY_FACTOR, "", 1.0, 100.0,
         "Required ratio of the attachment's breaking force to its largest load, as cable.safety_factor.")  # fmt: skip
 

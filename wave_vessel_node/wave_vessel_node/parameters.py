@@ -70,8 +70,8 @@ class MruParameters:
         "Coloured error of heave (first-order Gauss-Markov process), standard deviation.")  # fmt: skip
     wander_time: float = parameter(60.0, "s", 0.01, 1e4,
         "Time constant of wander: a second colours the noise, a minute lets the zero drift.")  # fmt: skip
-    resolution: float = parameter(0.0, "m", 0.0, 1.0, "Step of the readings of heave; 0: none.")
-    rate_resolution: float = parameter(0.0, "m/s", 0.0, 1.0, "Step of the readings of heave rate; 0: none.")
+    resolution: float = parameter(0.0, "m", 0.0, 1.0, "Resolution of heave; 0: none.")
+    rate_resolution: float = parameter(0.0, "m/s", 0.0, 1.0, "Resolution of heave rate; 0: none.")
     high_pass_period: float = parameter(0.0, "s", 0.0, 300.0,
         "Cut-off period of the second-order high-pass filter; 0: no filter.")  # fmt: skip
     high_pass_damping: float = parameter(0.7071, "", 0.2, 2.0, "Damping ratio of the high-pass filter.")
@@ -104,7 +104,7 @@ class SeaStateEstimateParameters:
     segment: float = 200.0  # length of one Welch segment, half overlapping [s]
 
 
-_WHERE = "after each of move_times; none: it stays."
+_WHERE = "after each of move_times; empty: unchanged."
 
 
 @dataclass(frozen=True)

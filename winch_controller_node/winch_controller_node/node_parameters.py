@@ -80,7 +80,7 @@ class WinchControllerParameters(LawGroups):
     water_density: float = parameter(SEAWATER_DENSITY, "kg/m^3", 0.0, 2000.0, "Density of the water.")
     gravity: float = parameter(STANDARD_GRAVITY, "m/s^2", 0.1, 100.0, "Acceleration of gravity.")
     boom_tip_height: float = parameter(0.0, "m", -100.0, 200.0,
-        "Mean height of the boom tip above still water: gives the unit's depth, and how wet its box is.")  # fmt: skip
+        "Mean height of the boom tip above still water; determines depth and immersion of the load.")  # fmt: skip
     cable: CableParameters = group(CableParameters)
     unit: UnitParameters = group(UnitParameters)
     cable_model: CableModelParameters = group(CableModelParameters)

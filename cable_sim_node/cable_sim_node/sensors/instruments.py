@@ -37,7 +37,7 @@ class DepthSensorParameters(SensorParameters):
     latency: float = parameter(0.1, "s", 0.0, 600.0, "Delay from the measurement (its stamp) to its delivery.")
     noise: float = parameter(0.02, "m", 0.0, 100.0, "Standard deviation of white noise, in depth.")
     bias: float = parameter(0.0, "m", -1000.0, 1000.0, "Constant error, in depth.")
-    resolution: float = parameter(0.0, "m", 0.0, 10.0, "Step of its readings, in depth; 0: none.")
+    resolution: float = parameter(0.0, "m", 0.0, 10.0, "Resolution, in depth; 0: none.")
 
     def view(self, truth: SensorTruth) -> View:
         """See the depth, positive down from still water [m]."""

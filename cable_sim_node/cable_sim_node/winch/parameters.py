@@ -24,7 +24,7 @@ class EncoderParameters:
 
     resolution: float = parameter(0.001, "m", 0.0, 1.0, "Resolution of the encoder in payout; 0: no quantisation.")
     faults: FaultParameters = group(EncoderFaultParameters)
-    backlash: float = parameter(0.0, "m", 0.0, 1.0, "Backlash of its gear: the reading lags by half of it.")
+    backlash: float = parameter(0.0, "m", 0.0, 1.0, "Backlash of the encoder gear; the reading lags by half of it.")
 
     def __post_init__(self) -> None:
         """Refuse what is out of range, and faults that an encoder cannot have."""
@@ -39,7 +39,7 @@ class WinchDriftParameters(Checked):
     Each value goes in a straight line over `duration` from that of the start to a factor of it, and stays there.
     """
 
-    start: float = parameter(0.0, "s", 0.0, None, "Slow change of the winch: simulated time at which it begins.")
+    start: float = parameter(0.0, "s", 0.0, None, "Simulated time at which a slow change of the winch begins.")
     duration: float = parameter(0.0, "s", 0.0, 1e5, "Duration of the change; 0: none.")
     gain: float = parameter(1.0, "", 0.1, 3.0, "Factor on speed_gain at the end of the change.")
     speed: float = parameter(1.0, "", 0.05, 2.0, "Factor on speed_limit at the end of the change.")

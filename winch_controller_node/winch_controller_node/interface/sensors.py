@@ -133,13 +133,13 @@ class MruModelParameters(SampledSensorParameters):
     noise: float = parameter(0.01, "m", 1e-5, LARGEST_NOISE, "White noise of heave, 1 sigma.")
     rate_noise: float = parameter(0.01, "m/s", 1e-5, LARGEST_NOISE, "White noise of heave rate, 1 sigma.")
     high_pass_period: float = parameter(0.0, "s", 0.0, 300.0,
-        "Cut-off period of its high-pass filter; 0: no filter.")  # fmt: skip
-    high_pass_damping: float = parameter(0.7071, "", 0.2, 2.0, "Damping ratio of its high-pass filter.")
+        "Cut-off period of the MRU's high-pass filter; 0: no filter.")  # fmt: skip
+    high_pass_damping: float = parameter(0.7071, "", 0.2, 2.0, "Damping ratio of the MRU's high-pass filter.")
     scale_sigma: float = parameter(0.0, "", 0.0, 0.5, "Possible scale error, 1 sigma; 0: not estimated.")
     bias_sigma: float = parameter(0.0, "m", 0.0, 100.0,
         "Possible mean of heave, from trim or another reference point, 1 sigma; 0: not estimated.")  # fmt: skip
     bias_drift: float = parameter(1e-4, "m/sqrt(s)", 0.0, 1.0,
-        "Random walk of that mean: 1 cm in three hours; 0.005 for one that wanders in turns.")  # fmt: skip
+        "Random walk of mean heave: default 1 cm in three hours; 0.005 if the mean wanders in turns.")  # fmt: skip
     lever_arm_sigma: float = parameter(0.0, "m", 0.0, 10.0,
         "Possible lever-arm error, 1 sigma along x and y; 0: not estimated.")  # fmt: skip
 

@@ -54,10 +54,10 @@ class MpcParameters:
     unit_heave: float = parameter(0.01, "m", 1e-4, 10.0,
         "Cost of law mpc: scale of unit heave. Laws lqr and lqg have weights.unit_heave.")  # fmt: skip
     payout_acceleration: float = parameter(0.5, "m/s^2", 0.0, 1e3,
-        "The same cost: scale of payout acceleration; smaller is more frugal, 0 removes it.")  # fmt: skip
-    payout: float = parameter(50.0, unit="m", minimum=0.0, maximum=1e5, description="The same cost: scale of payout.")
+        "Cost of law mpc: scale of payout acceleration; smaller is more frugal, 0 removes it.")  # fmt: skip
+    payout: float = parameter(50.0, unit="m", minimum=0.0, maximum=1e5, description="Cost of law mpc: scale of payout.")
     command: float = parameter(0.3, "m/s", 1e-3, 1e3,
-        "The same cost: scale of the command; a small value leaves some motion uncompensated.")  # fmt: skip
+        "Cost of law mpc: scale of the command; a small value leaves some motion uncompensated.")  # fmt: skip
     free_payout_acceleration: float = parameter(
         0.6,
         unit="m/s^2",
@@ -78,7 +78,7 @@ class MpcParameters:
         "Time constant with which the law returns to full effort after a limit shaped its plan.")  # fmt: skip
     preview_time: float = parameter(0.0, "s", 0.0, 60.0,
         "Time ahead for which a boom-tip preview is used; 0: not used.")  # fmt: skip
-    preview_noise: float = parameter(0.05, "m", 1e-3, 10.0, "Error of that preview, 1 sigma.")
+    preview_noise: float = parameter(0.05, "m", 1e-3, 10.0, "Error of the boom-tip preview, 1 sigma.")
     softness: float = parameter(1e-7, "", 1e-12, 1.0, "Reciprocal weight of a violated constraint: smaller is harder.")
 
 

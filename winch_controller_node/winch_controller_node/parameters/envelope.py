@@ -19,10 +19,10 @@ class EnvelopeParameters:
     window: float = 60.0  # time over which the boom tip's motion is watched [s]
     rate_factor: float = parameter(1.5, "", 1.0, 10.0,
         "Speed limit relative to the requested move, over the largest boom-tip rate in the window.")  # fmt: skip
-    rate_margin: float = parameter(0.25, "m/s", 0.0, 10.0, "Speed allowed beyond that.")
+    rate_margin: float = parameter(0.25, "m/s", 0.0, 10.0, "Speed allowed beyond envelope.rate_factor.")
     travel_factor: float = parameter(1.5, "", 1.0, 10.0,
         "Travel limit relative to the requested move, over the largest boom-tip heave in the window.")  # fmt: skip
-    travel_margin: float = parameter(0.3, "m", 0.0, 100.0, "Travel allowed beyond that.")
+    travel_margin: float = parameter(0.3, "m", 0.0, 100.0, "Travel allowed beyond envelope.travel_factor.")
     travel_time: float = 60.0  # time constant with which travel decays [s]
     early_factor: float = 2.5  # factor on both bounds while the window is empty [-]
     lost_factor: float = 0.8  # factor on both bounds while the drum's count or the MRU is lost [-]

@@ -32,8 +32,8 @@ class GuardParameters:
 
     window: float = 40.0  # time constant of the comparison with uncompensated motion [s]
     harm_ratio: float = parameter(0.9, "", 0.05, 10.0,
-        "Fade out when the residual exceeds this fraction of the uncompensated motion; with a gain A below 1, when it "
-        "exceeds 1 - A (1 - harm_ratio). No attempt if more is predicted.")  # fmt: skip
+        "Compensation fades out when more than this fraction of the uncompensated motion remains; with a "
+        "gain A below 1, more than 1 - A (1 - harm_ratio). No attempt if more is predicted.")  # fmt: skip
     floor: float = parameter(0.02, "m", 0.0, 10.0,
         "Residual, 1 sigma, below which compensation is never judged harmful.")  # fmt: skip
     limit_use: float = parameter(0.85, "", 0.05, 10.0,
@@ -77,9 +77,10 @@ class TensionLawParameters:
     """The constant-tension mode and landing."""
 
     landing_ratio: float = parameter(0.2, "", 0.0, 0.95,
-        "Fraction of the unit's weight that the cable carries after touchdown.")  # fmt: skip
+        "Fraction of the load's weight that the cable carries after touchdown.")  # fmt: skip
     touchdown_ratio: float = parameter(0.6, "", 0.0, 0.99,
-        "The unit has landed when, lowering, the cable carries less than this fraction of its weight.")  # fmt: skip
+        "Touchdown is detected when a lowered load leaves less than this fraction of its weight on the "
+        "cable.")  # fmt: skip
     lift_height: float = parameter(2.0, "m", 0.0, 100.0, "Height to which the unit is raised after lift-off.")
     time_constant: float = 2.0  # time constant of the tension loop [s]
     ramp_time: float = 8.0  # time over which the set-point is ramped to its new value [s]

@@ -22,8 +22,8 @@ class CableModelParameters:
     inertia: float = parameter(0.0, "s^2", 0.0, 1e4,
         "a of a x'' + b x' + x = x0 - payout; 0 derives it from cable, unit, length.")  # fmt: skip
     damping: float = parameter(0.0, "s", 0.0, 1e4,
-        "b of the same equation; 0: from drag, linearised at 0.1 m, or at the load's speed if that gives "
-        "more. A stated value holds at any speed.")  # fmt: skip
+        "b of a x'' + b x' + x = x0 - payout; 0: from drag, linearised at 0.1 m, or at the load's speed "
+        "if that gives more. A stated value holds at any speed.")  # fmt: skip
     inertia_factor: float = parameter(1.0, "", 0.1, 10.0, "Factor on a, for model errors and trials.")
     damping_factor: float = parameter(1.0, "", 0.0, 100.0, "Factor on b, for model errors and trials.")
     # amplitude at which drag is linearised; small, because the compensated unit hardly moves [m]
@@ -37,9 +37,9 @@ class WinchModelParameters(WinchFigures):
     """The winch as the controller assumes it: law, lags, delay and limits."""
 
     speed_gain: float = parameter(1.0, "", 0.1, 10.0, "Steady speed of the servo divided by its set-point.")
-    hauling_gain: float = parameter(1.0, "", 0.1, 10.0, "Factor on speed_gain while it hauls in.")
+    hauling_gain: float = parameter(1.0, "", 0.1, 10.0, "Factor on speed_gain while hauling in.")
     position_gain: float = parameter(0.0, "1/s", 0.0, 1e3,
-        "k_p of the servo's position loop, which acts beside its speed loop.")  # fmt: skip
+        "k_p of the servo's position loop, which adds to its speed loop.")  # fmt: skip
     set_point_reach: float = parameter(1.0, "", 1.0, 1e3,
         "Largest speed set-point that has an effect, over speed_limit; above 1 it drives a slow servo harder.",
     )  # fmt: skip
@@ -89,7 +89,7 @@ class SeaModelParameters(SeaParameters):
     significant_wave_height: float = parameter(1.0, "m", 0.01, 25.0,
         "Significant wave height (of the wind sea in ochi_hubble).")  # fmt: skip
     filter_form: str = parameter("auto",
-        description="Shaping filter that models the sea; auto selects the best fit.",
+        description="Shaping filter that models the sea; auto: the best fit.",
         choices=FILTER_CHOICES)  # fmt: skip
     filter_states: int = parameter(6, "", 4, 16, "States of a fitted filter; even. Two-peaked seas need 10.")
     direction: float = parameter(math.pi, "rad", -6.3, 6.3,
@@ -124,14 +124,14 @@ class WeightParameters:
         "mpc has mpc.unit_heave.")  # fmt: skip
     unit_heave_rate: float = 0.0  # the same cost: scale of the unit's heave rate; 0 leaves it out [m/s]
     outlet_heave: float = parameter(0.05, "m", 0.0, None,
-        "The same cost: scale of boom-tip heave less payout; 0 removes it.")  # fmt: skip
+        "Cost of laws lqr and lqg: scale of boom-tip heave less payout; 0 removes it.")  # fmt: skip
     payout: float = parameter(50.0, "m", 0.0, None,
-        "The same cost: scale of payout about its mean, which prevents drift; 0 removes it.")  # fmt: skip
+        "Cost of laws lqr and lqg: scale of payout about its mean, which prevents drift; 0 removes it.")  # fmt: skip
     payout_rate: float = 0.0  # the same cost: scale of payout speed; 0 leaves it out [m/s]
     payout_acceleration: float = parameter(2.0, "m/s^2", 0.0, None,
-        "The same cost: scale of payout acceleration; 0 removes it.")  # fmt: skip
+        "Cost of laws lqr and lqg: scale of payout acceleration; 0 removes it.")  # fmt: skip
     command: float = parameter(20.0, "m/s", 0.0, None,
-        "The same cost: scale of the command (m for a first-order winch); must not be 0.")  # fmt: skip
+        "Cost of laws lqr and lqg: scale of the command (m for a first-order winch); must not be 0.")  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -157,9 +157,9 @@ class CraneModelParameters(CraneParameters):
     """Lengths and reference pose of the crane, and what of its pose is read on `crane/pose`."""
 
     joints: tuple[str, ...] = parameter(JOINTS,
-        description="Joints that crane/pose measures; others keep the reference pose.", choices=JOINTS)  # fmt: skip
+        description="Joints in crane/pose; others keep the reference pose.", choices=JOINTS)  # fmt: skip
     pose_timeout: float = parameter(1.0, "s", 0.05, 60.0,
-        "Age of the newest usable pose above which it is stale, and the last one is held.")  # fmt: skip
+        "Age above which the newest usable pose is stale; the last one is then held.")  # fmt: skip
     # fastest that slew, luff or knuckle can turn: an angle that changes faster has jumped [rad/s]
     largest_turn_rate: float = 0.1
     # fastest that the boom can extend: an extension that changes faster has jumped [m/s]
