@@ -79,8 +79,7 @@ class TensionLawParameters:
     landing_ratio: float = parameter(0.2, "", 0.0, 0.95,
         "Fraction of the load's weight that the cable carries after touchdown.")  # fmt: skip
     touchdown_ratio: float = parameter(0.6, "", 0.0, 0.99,
-        "Touchdown is detected when a lowered load leaves less than this fraction of its weight on the "
-        "cable.")  # fmt: skip
+        "Touchdown: a lowered load leaves less than this fraction of its weight on the cable.")  # fmt: skip
     lift_height: float = parameter(2.0, "m", 0.0, 100.0, "Height to which the unit is raised after lift-off.")
     time_constant: float = 2.0  # time constant of the tension loop [s]
     ramp_time: float = 8.0  # time over which the set-point is ramped to its new value [s]
