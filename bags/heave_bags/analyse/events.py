@@ -34,6 +34,8 @@ from heave_bags.signals import RunSignals, Signal
 
 REPEATED = 1.0
 """Time for which a message of /diagnostics holds, until the next [s]."""
+TICKS = 0.11
+"""Time after which what an alarm is about stands in the controller's state at the latest: two ticks [s]."""
 
 HOLDS_TENSION = "constant_tension"
 LOST = f"{COMPENSATION_LOST} ({Severity.HIGH.word})"
@@ -50,6 +52,10 @@ ALARMS_PART = f"{topics.CONTROLLER_STATE.publisher}: {ALARMS}"
 """Part in which the controller reports what it has identified, and its faults."""
 SENSOR_PARTS = f"{topics.CONTROLLER_STATE.publisher}: {SENSOR} "
 """Prefix of the parts in which it reports the state of each sensor; their faults are among its alarms, too."""
+SENSOR_CODES = {"SENSOR_LOST": (SensorLevel.LOST,), "SENSOR_DOUBTFUL": (SensorLevel.SUSPECT,)}
+"""Codes of its alarms about a sensor, with the levels at which it is held while they last."""
+RESTORED = ("_RESTORED", "_RECOVERED")
+"""Ends of the codes of events that end an alarm whose code begins with the same word."""
 OPERATOR_PART = f": {OPERATOR}"
 """End of the name of the part in which a node reports what an operator has requested of it."""
 
@@ -162,14 +168,23 @@ def sensor_alarms(state: Fields) -> list[Interval]:
     return found
 
 
-def diagnostic_alarms(diagnostics: Fields, *, has_modes: bool = False) -> list[Interval]:
-    """Return the warnings and errors of /diagnostics, by its columns, each from when it was raised on.
+def diagnostic_alarms(
+    diagnostics: Fields, holding: Sequence[Interval] = (), *, has_modes: bool = False
+) -> list[Interval]:
+    """Return the warnings and errors of /diagnostics, by its columns, each from when it was raised to its end.
 
-    One whose figures alone change, as of a countdown, is one. The modes of the controller are not reported where
-    `has_modes`: they are known to the tick.
+    One whose figures alone change, as of a countdown, is one. What the controller raises lasts as long as what it is
+    about is reported, and is at one time where nothing reports that.
+
+    Parameters
+    ----------
+    diagnostics : columns of the topic
+    holding : sensors that the controller did not trust (`sensor_alarms`), and why it did not compensate (`waits`); a
+        sensor that no alarm tells of is returned as it is
+    has_modes : the controller's modes are known to the tick, and not reported here
     """
-    alarms: dict[tuple[str, int], tuple[str, list[float]]] = {}
-    found: list[Interval] = []
+    lasting: dict[tuple[str, int], tuple[str, list[float]]] = {}
+    raised: list[Interval] = []
     for index in diagnostics.indices("status[].level"):
         levels = diagnostics.codes(f"status[{index}].level")
         names, messages = (diagnostics.texts(f"status[{index}].{part}") for part in ("name", "message"))
@@ -180,16 +195,86 @@ def diagnostic_alarms(diagnostics: Fields, *, has_modes: bool = False) -> list[I
                 continue
             time, level = float(diagnostics.time[row]), min(int(levels[row]), 2)
             if name == ALARMS_PART and (reported := timed_words("" if messages is None else str(messages[row]))):
-                found += [Interval(at, at + REPEATED, f"{name}: {text}", _level(text, level)) for at, text in reported]
+                raised += [one for at, text in reported for one in _raised(at, text, level)]
                 continue
             is_reported_once = name.endswith(f": {ALARMS}")
             kind = label if is_reported_once else f"{name}: {kind_of('' if messages is None else str(messages[row]))}"
-            _, times = alarms.setdefault((kind, _level(label, level)), (label, []))
+            _, times = lasting.setdefault((kind, _level(label, level)), (label, []))
             times.append(time)
-    raised = [(alarm.code, one.start) for one in found for alarm in alarms_in(one.name)]
-    for (_, level), (label, times) in alarms.items():
-        found += [_since(one, raised) for one in _joined(times, label, level)]
-    return found
+    parts = [one for (_, level), (label, times) in lasting.items() for one in _joined(times, label, level)]
+    since = [replace(one, start=one.start - REPEATED) for one in parts]  # for so long, reported a second later
+    raised = _spans(sorted(raised, key=lambda one: one.start), (holding, since))
+    shown = [*parts, *(one for one in holding if one.level)]
+    return raised + [one for one in shown if not _is_told(one, raised)]
+
+
+def _is_told(holding: Interval, raised: Sequence[Interval]) -> bool:
+    """Return whether an alarm of those that were `raised` tells of what is `holding`, or began or ended beside it."""
+    return any(
+        one.start - REPEATED <= holding.end and holding.start - REPEATED <= one.end
+        for one in raised
+        if _is_about(one, holding, at_any_level=True)
+    )
+
+
+def _raised(time: float, text: str, level: int) -> list[Interval]:
+    """Return what the controller raised at a `time` [s], a `text` of one alarm or more: each, or the text itself."""
+    texts = [f"{one.code} ({one.severity.word}): {one.text}" for one in alarms_in(text)] or [text]
+    return [Interval(time, time, f"{ALARMS_PART}: {one}", _level(one, level)) for one in texts]
+
+
+def _is_about(raised: Interval, holding: Interval, *, at_any_level: bool = False) -> bool:
+    """Return whether an alarm that was `raised` is about what is `holding`: a sensor, a reason, a part of diagnostics.
+
+    `at_any_level` : however the controller holds the sensor
+    """
+    codes = _codes(raised, Severity.LOW)
+    kinds = [code.partition(", ") for code in codes]
+    levels = {part.lower(): SensorLevel if at_any_level else SENSOR_CODES.get(kind, ()) for kind, _, part in kinds}
+    held = {f"{sensor} {words(level)}" for sensor, of in levels.items() for level in of}
+    reported = _codes(holding)
+    return holding.name in held or any(code in reported or f"{code}: " in holding.reason for code in codes)
+
+
+def _spans(raised: Sequence[Interval], known: Sequence[Sequence[Interval]]) -> list[Interval]:
+    """Return the alarms that were `raised`, in order, each to the end of what it is about, by the first of those that are
+    `known`, else until it is reported as restored.
+
+    One that is raised again meanwhile in the same words is one.
+    """
+    found: dict[str, Interval] = {}
+    spans: list[Interval] = []
+    for one in raised:
+        kind = without_figures(one.name.partition(". ")[0])
+        if (before := found.get(kind)) and one.start < before.end:
+            continue
+        end = one.start
+        for holding in known:
+            for span in sorted(holding, key=lambda span: span.start) if end == one.start else ():
+                if span.start - TICKS <= end <= span.end and _is_about(one, span):
+                    end = span.end  # a reason may go on in the next mode
+        if end == one.start:
+            end = next((later.start for later in raised if later.start > end and _restores(later, one)), end)
+        found[kind] = replace(one, end=end)
+        spans.append(found[kind])
+    return spans
+
+
+def _restores(later: Interval, one: Interval) -> bool:
+    """Return whether an event, `later`, says that what an alarm, `one`, was about is well again: ADVISER_RESTORED."""
+    ends = {_subject(code) for code in _codes(later) if code.partition(", ")[0].endswith(RESTORED)}
+    return any(_subject(code) in ends for code in _codes(one, Severity.LOW))
+
+
+def _codes(one: Interval, least: Severity = Severity.EVENT) -> list[str]:
+    """Return the codes of what was raised, of a severity of at `least` that."""
+    return [alarm.code for alarm in alarms_in(one.name) if alarm.severity >= least]
+
+
+def _subject(code: str) -> tuple[str, str]:
+    """Return what an alarm of a `code` is about: its first word, and its part."""
+    kind, _, part = code.partition(", ")
+    return kind.partition("_")[0], part
 
 
 def _level(text: str, level: int) -> int:
@@ -198,16 +283,6 @@ def _level(text: str, level: int) -> int:
     if severities & {Severity.CRITICAL, Severity.HIGH}:
         return 2
     return 0 if severities == {Severity.EVENT} else level
-
-
-def _since(lasting: Interval, raised: Sequence[tuple[str, float]]) -> Interval:
-    """Return an alarm, `lasting` as diagnostics report it up to a second later, from when it was `raised` on: code and
-    time [s] of each.
-    """
-    codes = {alarm.code for alarm in alarms_in(lasting.name)}
-    earliest = lasting.start - REPEATED
-    times = [time for code, time in raised if code in codes and earliest <= time <= lasting.start]
-    return replace(lasting, start=max(times, default=lasting.start))
 
 
 def operator_requests(diagnostics: Fields) -> list[Interval]:

@@ -164,7 +164,8 @@ def _fill(record: RunRecord, fields: Mapping[str, Fields], parameters: NodeParam
             "payout about its set-point"
         )
     record.sea = _sea(fields[SEA_STATE])
-    record.alarms += events.diagnostic_alarms(fields[DIAGNOSTICS], has_modes=bool(record.modes))
+    holding = [*events.sensor_alarms(fields[CONTROLLER]), *record.waits]
+    record.alarms += events.diagnostic_alarms(fields[DIAGNOSTICS], holding, has_modes=bool(record.modes))
     record.requests += events.operator_requests(fields[DIAGNOSTICS])
     _fill_outcome(record)
     fill_parameters(record.signals, parameters)
@@ -283,7 +284,6 @@ def _fill_controller(record: RunRecord, state: Fields) -> None:
         lost = [mode.start for mode in events.losses(record.modes)]
         record.signals.losses = Signal(state.time, np.isin(state.time, lost).astype(float))
     record.signals.execution_time = state.signal("execution_time")
-    record.alarms += events.sensor_alarms(state)
     record.innovations = innovations(state)
     record.signals.nis_in_band = nis_in_band(state)
 
