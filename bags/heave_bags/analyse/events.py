@@ -44,6 +44,8 @@ COMPENSATES = ("compensating", HOLDS_TENSION)
 """Modes of the controller in which the winch does its work."""
 OFF = "off"
 """Mode of a controller whose law never moves the winch."""
+EMERGENCY_STOP = "emergency_stop"
+"""Mode after an operator's emergency stop, or the winch's own."""
 
 
 MODE_PART = f"{topics.CONTROLLER_STATE.publisher}: {MODE}"
@@ -237,8 +239,8 @@ def _is_about(raised: Interval, holding: Interval, *, at_any_level: bool = False
 
 
 def _spans(raised: Sequence[Interval], known: Sequence[Sequence[Interval]]) -> list[Interval]:
-    """Return the alarms that were `raised`, in order, each to the end of what it is about, by the first of those that are
-    `known`, else until it is reported as restored.
+    """Return the alarms that were `raised`, in order, each to the end of what it is about, by the first of what is
+    `known` that tells it, else until it is reported as restored.
 
     One that is raised again meanwhile in the same words is one.
     """
@@ -278,11 +280,11 @@ def _subject(code: str) -> tuple[str, str]:
 
 
 def _level(text: str, level: int) -> int:
-    """Return 2 for a `text` with a high or critical alarm, 0 for events alone; else the `level` of its part."""
-    severities = {alarm.severity for alarm in alarms_in(text)}
-    if severities & {Severity.CRITICAL, Severity.HIGH}:
-        return 2
-    return 0 if severities == {Severity.EVENT} else level
+    """Return the level of the gravest alarm in a `text`, 2 where it is critical or high, 0 of an event; of a text
+    without alarms the `level` of its part.
+    """
+    gravest = max((alarm.severity for alarm in alarms_in(text)), default=None)
+    return level if gravest is None else 2 if gravest >= Severity.HIGH else int(gravest > Severity.EVENT)
 
 
 def operator_requests(diagnostics: Fields) -> list[Interval]:

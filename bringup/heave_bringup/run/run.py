@@ -87,7 +87,6 @@ class Outcome:
     """How a run went."""
 
     status: TickStatus  # last status of the clock master
-    alarms: list[str]  # errors that the nodes reported, in order
     strangers: list[str]  # processes that published where only others may; none of them was obeyed
 
     @property
@@ -167,7 +166,7 @@ def run_scenario(
             look = _until_started(watchdog, was_interrupted, on_look)
             status = _watch(scenario, folder, launcher, monitor, progress, look)
             watchdog.will_say(f"the nodes are done, and ROS did not come back; {_where_to_look(folder)}")
-            return Outcome(status, monitor.alarms, list(monitor.strangers))
+            return Outcome(status, list(monitor.strangers))
         except CommandError as error:
             watchdog.will_say(str(error))
             raise
