@@ -75,7 +75,7 @@ def spans(*args):
 def test_an_alarm_of_a_sensor_is_one_from_when_it_was_raised_until_the_sensor_is_well():
     """Diagnostics come once a second, the controller's state in each tick: 1.15 s to 2.9 s."""
     raised = ["ok", "ok", f"t = 1.15 s: {LOST}; t = 1.60 s: SEA_MODEL_UPDATED (event): Hs 2.0 m.", "ok", "ok"]
-    state = [Interval(1.05, 1.15, "mru suspect", 1), Interval(1.15, 2.9, "mru lost", 2)]
+    state = [Interval(1.05, 1.15, "SENSOR_DOUBTFUL, MRU", 1), Interval(1.15, 2.9, "SENSOR_LOST, MRU", 2)]
     assert spans(told(raised, ["ok", "ok", LOST, "ok", "ok"]), state) == [
         ("SENSOR_LOST, MRU", 1.15, 2.9),
         ("SEA_MODEL_UPDATED", 1.6, 1.6),
@@ -117,7 +117,7 @@ def test_what_is_raised_again_while_it_lasts_is_one_and_afterwards_another():
     """A lost sensor is reported again where what the loop does about it changes."""
     stopping = LOST.replace("0.20", "1.30").replace("Compensation fades out", "Winch is stopping")
     raised = [f"t = 1.00 s: {LOST}", f"t = 2.00 s: {stopping}", "ok", f"t = 4.00 s: {LOST}"]
-    state = [Interval(1.0, 3.0, "mru lost", 2), Interval(4.0, 5.0, "mru lost", 2)]
+    state = [Interval(1.0, 3.0, "SENSOR_LOST, MRU", 2), Interval(4.0, 5.0, "SENSOR_LOST, MRU", 2)]
     assert spans(told(raised), state) == [("SENSOR_LOST, MRU", 1.0, 3.0), ("SENSOR_LOST, MRU", 4.0, 5.0)]
 
 
@@ -130,7 +130,7 @@ def test_two_alarms_of_one_tick_are_two():
 
 
 def test_a_sensor_of_which_no_alarm_tells_is_shown_as_the_controller_held_it():
-    state = [Interval(3.0, 4.0, "encoder lost", 2)]
+    state = [Interval(3.0, 4.0, "SENSOR_LOST, ENCODER", 2)]
     assert diagnostic_alarms(told([f"t = 3.00 s: {LOST}"]), state)[-1] == state[0]
 
 

@@ -54,8 +54,8 @@ ALARMS_PART = f"{topics.CONTROLLER_STATE.publisher}: {ALARMS}"
 """Part in which the controller reports what it has identified, and its faults."""
 SENSOR_PARTS = f"{topics.CONTROLLER_STATE.publisher}: {SENSOR} "
 """Prefix of the parts in which it reports the state of each sensor; their faults are among its alarms, too."""
-SENSOR_CODES = {"SENSOR_LOST": (SensorLevel.LOST,), "SENSOR_DOUBTFUL": (SensorLevel.SUSPECT,)}
-"""Codes of its alarms about a sensor, with the levels at which it is held while they last."""
+SENSOR_CODES = {SensorLevel.SUSPECT: "SENSOR_DOUBTFUL", SensorLevel.LOST: "SENSOR_LOST"}
+"""Codes of its alarms about a sensor that it holds so."""
 RESTORED = ("_RESTORED", "_RECOVERED")
 """Ends of the codes of events that end an alarm whose code begins with the same word."""
 OPERATOR_PART = f": {OPERATOR}"
@@ -159,14 +159,14 @@ def winch_faults(winch: Fields) -> list[Interval]:
 
 
 def sensor_alarms(state: Fields) -> list[Interval]:
-    """Return when the controller held a sensor as `suspect` or `lost`, from the columns of its `state`."""
+    """Return when the controller held a sensor as `suspect` or `lost`, by the code of that, from its `state`."""
     found: list[Interval] = []
     for index in state.indices("sensors[].level"):
         levels, names = state.codes(f"sensors[{index}].level"), state.texts(f"sensors[{index}].sensor")
-        for level in (SensorLevel.SUSPECT, SensorLevel.LOST):
+        for level, code in SENSOR_CODES.items():
             where = levels == level
             if where.any() and names is not None:
-                found += _flagged(state.time, where, f"{names[where][0]} {words(level)}", level=int(level))
+                found += _flagged(state.time, where, f"{code}, {str(names[where][0]).upper()}", level=int(level))
     return found
 
 
@@ -210,32 +210,10 @@ def diagnostic_alarms(
     return raised + [one for one in shown if not _is_told(one, raised)]
 
 
-def _is_told(holding: Interval, raised: Sequence[Interval]) -> bool:
-    """Return whether an alarm of those that were `raised` tells of what is `holding`, or began or ended beside it."""
-    return any(
-        one.start - REPEATED <= holding.end and holding.start - REPEATED <= one.end
-        for one in raised
-        if _is_about(one, holding, at_any_level=True)
-    )
-
-
 def _raised(time: float, text: str, level: int) -> list[Interval]:
     """Return what the controller raised at a `time` [s], a `text` of one alarm or more: each, or the text itself."""
     texts = [f"{one.code} ({one.severity.word}): {one.text}" for one in alarms_in(text)] or [text]
     return [Interval(time, time, f"{ALARMS_PART}: {one}", _level(one, level)) for one in texts]
-
-
-def _is_about(raised: Interval, holding: Interval, *, at_any_level: bool = False) -> bool:
-    """Return whether an alarm that was `raised` is about what is `holding`: a sensor, a reason, a part of diagnostics.
-
-    `at_any_level` : however the controller holds the sensor
-    """
-    codes = _codes(raised, Severity.LOW)
-    kinds = [code.partition(", ") for code in codes]
-    levels = {part.lower(): SensorLevel if at_any_level else SENSOR_CODES.get(kind, ()) for kind, _, part in kinds}
-    held = {f"{sensor} {words(level)}" for sensor, of in levels.items() for level in of}
-    reported = _codes(holding)
-    return holding.name in held or any(code in reported or f"{code}: " in holding.reason for code in codes)
 
 
 def _spans(raised: Sequence[Interval], known: Sequence[Sequence[Interval]]) -> list[Interval]:
@@ -248,35 +226,44 @@ def _spans(raised: Sequence[Interval], known: Sequence[Sequence[Interval]]) -> l
     spans: list[Interval] = []
     for one in raised:
         kind = without_figures(one.name.partition(". ")[0])
-        if (before := found.get(kind)) and one.start < before.end:
+        if kind in found and one.start < found[kind].end:
             continue
         end = one.start
         for holding in known:
-            for span in sorted(holding, key=lambda span: span.start) if end == one.start else ():
-                if span.start - TICKS <= end <= span.end and _is_about(one, span):
-                    end = span.end  # a reason may go on in the next mode
-        if end == one.start:
+            for held in sorted(holding, key=lambda held: held.start) if end == one.start else ():
+                if held.start - TICKS <= end <= held.end and _is_about(one, held):
+                    end = held.end  # a reason may go on in the next mode
+        if end == one.start and one.level:
             end = next((later.start for later in raised if later.start > end and _restores(later, one)), end)
         found[kind] = replace(one, end=end)
         spans.append(found[kind])
     return spans
 
 
+def _codes(one: Interval) -> list[str]:
+    return [alarm.code for alarm in alarms_in(one.name)] or [one.name]
+
+
+def _is_about(raised: Interval, held: Interval) -> bool:
+    """Return whether what was `raised` is a sensor, a part of diagnostics or a reason of the mode that is `held` so."""
+    return any(code in _codes(held) or f"{code}: " in held.reason for code in _codes(raised))
+
+
+def _subjects(one: Interval) -> set[tuple[str, str]]:
+    """Return what alarms are about: the first word of each code, and its part."""
+    return {(code.partition("_")[0], code.partition(", ")[2]) for code in _codes(one)}
+
+
 def _restores(later: Interval, one: Interval) -> bool:
     """Return whether an event, `later`, says that what an alarm, `one`, was about is well again: ADVISER_RESTORED."""
-    ends = {_subject(code) for code in _codes(later) if code.partition(", ")[0].endswith(RESTORED)}
-    return any(_subject(code) in ends for code in _codes(one, Severity.LOW))
+    is_end = any(code.partition(", ")[0].endswith(RESTORED) for code in _codes(later))
+    return is_end and not _subjects(later).isdisjoint(_subjects(one))
 
 
-def _codes(one: Interval, least: Severity = Severity.EVENT) -> list[str]:
-    """Return the codes of what was raised, of a severity of at `least` that."""
-    return [alarm.code for alarm in alarms_in(one.name) if alarm.severity >= least]
-
-
-def _subject(code: str) -> tuple[str, str]:
-    """Return what an alarm of a `code` is about: its first word, and its part."""
-    kind, _, part = code.partition(", ")
-    return kind.partition("_")[0], part
+def _is_told(held: Interval, raised: Sequence[Interval]) -> bool:
+    """Return whether an alarm of those that were `raised` tells of what is `held` so, or began or ended beside it."""
+    beside = (one for one in raised if one.start - REPEATED <= held.end and held.start - REPEATED <= one.end)
+    return any(one.level and not _subjects(one).isdisjoint(_subjects(held)) for one in beside)
 
 
 def _level(text: str, level: int) -> int:
