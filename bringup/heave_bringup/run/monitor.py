@@ -10,7 +10,7 @@ from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from heave_bags.analyse.events import ALARMS_PART, MODE_PART, SENSOR_PARTS
 from heave_msgs.msg import CompensationKpi, TickStatus
 from heave_node.interface import topics
-from heave_node.interface.alarm import alarms_in, kind_of
+from heave_node.interface.alarm import kind_of
 from heave_node.interface.codes import time_key, time_of
 from heave_node.ros.process import node_beside
 from heave_node.ros.spin import Spinner
@@ -150,10 +150,6 @@ class Monitor:
 
 
 def _raised(message: DiagnosticArray, part: DiagnosticStatus) -> float:
-    """Return when what a `part` of a `message` reports was raised [s]: by its own values, or by alarms beside it."""
-    codes = {alarm.code for alarm in alarms_in(part.message)}
-    beside = [reported for other in message.status if other.name == ALARMS_PART for reported in other.values]
-    reported = [one for one in beside if codes & {alarm.code for alarm in alarms_in(one.value)}]
-    reported += [one for one in part.values if one.value == part.message]
-    times = [time_of(one.key) for one in reported]
+    """Return when what a `part` of a `message` reports was raised [s], by its own values where they tell it."""
+    times = [time_of(one.key) for one in part.values if one.value == part.message]
     return next((time for time in times if time is not None), seconds_of(message.header.stamp))
