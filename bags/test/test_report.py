@@ -287,12 +287,12 @@ def test_the_errors_of_a_run_are_its_critical_and_high_alarms_the_gravest_first(
         (10.0, 12.0, f"{part}SENSOR_LOST, DEPTH (medium): no data.", 1),
         (20.0, 20.0, f"{part}LOAD_SWINGS (high): the load swings.", 2),
         (30.0, 40.0, f"{part}DRUM_NOT_HELD (critical): drum turns.", 2),
-        (15.0, 18.0, "winch: command timeout", 2),
+        (15.0, 18.0, "WINCH_COMMAND_TIMEOUT", 2),
     )
     record.alarms = [Interval(*row) for row in rows]
     assert run_words.errors(record) == [
         "30.0 s to 40.0 s: DRUM_NOT_HELD (critical): drum turns.",
-        "15.0 s to 18.0 s: winch: command timeout",
+        "15.0 s to 18.0 s: WINCH_COMMAND_TIMEOUT",
         "20.0 s: LOAD_SWINGS (high): the load swings.",
     ]
     record.modes.append(Interval(50.0, 60.0, "emergency_stop", reason="emergency stop requested"))

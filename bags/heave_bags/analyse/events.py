@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Any
@@ -149,12 +149,13 @@ def winch_limits(winch: Fields) -> list[Interval]:
 
 
 def winch_faults(winch: Fields) -> list[Interval]:
-    """Return when the winch had stopped by itself, and why."""
+    """Return when the winch had stopped by itself, by the code of its alarm."""
     codes = winch.codes("fault")
     found: list[Interval] = []
     for fault in WinchFault:
         if fault:
-            found += _flagged(winch.time, codes == fault, f"winch: {words(fault)}", level=2)
+            code = f"WINCH_{fault.name}{'_FAULT' if fault is WinchFault.DRIVE else ''}"
+            found += _flagged(winch.time, codes == fault, code, level=2)
     return found
 
 
@@ -181,8 +182,8 @@ def diagnostic_alarms(
     Parameters
     ----------
     diagnostics : columns of the topic
-    holding : sensors that the controller did not trust (`sensor_alarms`), and why it did not compensate (`waits`); a
-        sensor that no alarm tells of is returned as it is
+    holding : what is known to the tick: `sensor_alarms`, `winch_faults`, and why the controller did not compensate
+        (`waits`). A sensor or fault that no alarm tells of is returned as it is
     has_modes : the controller's modes are known to the tick, and not reported here
     """
     lasting: dict[tuple[str, int], tuple[str, list[float]]] = {}
@@ -206,8 +207,8 @@ def diagnostic_alarms(
     parts = [one for (_, level), (label, times) in lasting.items() for one in _joined(times, label, level)]
     since = [replace(one, start=one.start - REPEATED) for one in parts]  # for so long, reported a second later
     raised = _spans(sorted(raised, key=lambda one: one.start), (holding, since))
-    shown = [*parts, *(one for one in holding if one.level)]
-    return raised + [one for one in shown if not _is_told(one, raised)]
+    parts = [_as_held(one, holding) for one in parts if not _is_told(one, raised)]
+    return [*raised, *parts, *(one for one in holding if one.level and not _is_told(one, [*raised, *parts]))]
 
 
 def _raised(time: float, text: str, level: int) -> list[Interval]:
@@ -249,21 +250,27 @@ def _is_about(raised: Interval, held: Interval) -> bool:
     return any(code in _codes(held) or f"{code}: " in held.reason for code in _codes(raised))
 
 
-def _subjects(one: Interval) -> set[tuple[str, str]]:
-    """Return what alarms are about: the first word of each code, and its part."""
-    return {(code.partition("_")[0], code.partition(", ")[2]) for code in _codes(one)}
-
-
 def _restores(later: Interval, one: Interval) -> bool:
     """Return whether an event, `later`, says that what an alarm, `one`, was about is well again: ADVISER_RESTORED."""
-    is_end = any(code.partition(", ")[0].endswith(RESTORED) for code in _codes(later))
-    return is_end and not _subjects(later).isdisjoint(_subjects(one))
+    (end, _, part), (kind, _, of) = (_codes(each)[0].partition(", ") for each in (later, one))
+    return end.endswith(RESTORED) and (end.partition("_")[0], part) == (kind.partition("_")[0], of)
+
+
+def _beside(held: Interval, others: Sequence[Interval]) -> Iterator[Interval]:
+    """Yield those of the `others` that are there while something is `held`, or up to a second before or after."""
+    return (one for one in others if one.start - REPEATED <= held.end and held.start - REPEATED <= one.end)
 
 
 def _is_told(held: Interval, raised: Sequence[Interval]) -> bool:
-    """Return whether an alarm of those that were `raised` tells of what is `held` so, or began or ended beside it."""
-    beside = (one for one in raised if one.start - REPEATED <= held.end and held.start - REPEATED <= one.end)
-    return any(one.level and not _subjects(one).isdisjoint(_subjects(held)) for one in beside)
+    """Return whether an alarm of those that were `raised` tells of what is `held` so: of its code, or of its sensor."""
+    told = {code.partition(", ")[2] or code for one in _beside(held, raised) if one.level for code in _codes(one)}
+    return any((code.partition(", ")[2] or code) in told for code in _codes(held))
+
+
+def _as_held(part: Interval, holding: Sequence[Interval]) -> Interval:
+    """Return a `part` of diagnostics with the span of what it reports, of that which is `holding`, known to the tick."""
+    found = [held for held in _beside(part, holding) if _is_about(part, held)]
+    return replace(part, start=found[0].start, end=found[-1].end) if found else part
 
 
 def _level(text: str, level: int) -> int:
