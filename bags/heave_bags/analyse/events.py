@@ -268,7 +268,7 @@ def _is_told(held: Interval, raised: Sequence[Interval]) -> bool:
 
 
 def _as_held(part: Interval, holding: Sequence[Interval]) -> Interval:
-    """Return a `part` of diagnostics with the span of what it reports, of that which is `holding`, known to the tick."""
+    """Return a `part` of diagnostics with the span, known to the tick, of what it reports and is `holding`."""
     found = [held for held in _beside(part, holding) if _is_about(part, held)]
     return replace(part, start=found[0].start, end=found[-1].end) if found else part
 
