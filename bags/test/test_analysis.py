@@ -58,7 +58,7 @@ def test_limits_modes_alarms_and_innovations_are_found(record):
     )  # 20 s to 22 s of 10 s to 60 s
     assert [(i.name, round(i.start, 2)) for i in record.modes] == [("standby", 0.05), ("compensating", 5.0)]
     alarms = {(alarm.name, alarm.level): (round(alarm.start, 2), round(alarm.end, 2)) for alarm in record.alarms}
-    assert alarms["mru lost", 2] == (30.0, 31.0)
+    assert alarms["SENSOR_LOST, MRU", 2] == (30.0, 31.0)
     assert alarms["cable_sim: cable: touches ground", 1] == (40.0, 43.0)
     assert {innovation.name for innovation in record.innovations} == {"mru", "depth"}
     assert values["nis_in_band_percent"] == pytest.approx(100.0 * 2.0 / 3.0, abs=0.1)

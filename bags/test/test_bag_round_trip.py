@@ -206,5 +206,5 @@ def test_what_is_no_bag_is_refused_in_one_line(tmp_path):
         Bag(tmp_path / "empty")
     text = tmp_path / "text.mcap"
     text.write_text("not a bag at all")
-    with pytest.raises(BagError, match="not an MCAP file"):
+    with pytest.raises(BagError, match="a text file, not an MCAP file; give the folder of a bag"):
         list(Bag(Path(text)).messages())

@@ -51,33 +51,110 @@ def test_an_alarm_of_the_controller_has_the_level_of_its_severity_whatever_that_
     assert alone.level == level
 
 
-def test_an_alarm_that_lasts_is_shown_from_when_it_was_raised_on():
-    """Diagnostics come once a second: the sensor is reported lost at 2 s, and its alarm says since when."""
-    lost = "SENSOR_LOST, MRU (high): no data for 0.20 s, limit 0.15 s. Compensation fades out."
-    parts = {"winch_controller: sensor mru": ["ok", "ok", lost, lost], "winch_controller: alarms": ["ok"] * 4}
-    parts["winch_controller: alarms"][2] = f"t = 1.15 s: {lost}; t = 1.60 s: SEA_MODEL_UPDATED (event): Hs 2.0 m."
-    columns = {"time": np.arange(4.0), "log_time": np.arange(4)}
+LOST = "SENSOR_LOST, MRU (high): no data for 0.20 s, limit 0.15 s. Compensation fades out."
+
+
+def told(alarms, sensor=()):
+    """Return diagnostics of a second each: what the controller raised since the last, and what it says of the MRU."""
+    parts = {"winch_controller: sensor mru": sensor or ["ok"] * len(alarms), "winch_controller: alarms": alarms}
+    columns = {"time": np.arange(float(len(alarms))), "log_time": np.arange(len(alarms))}
     for index, (name, messages) in enumerate(parts.items()):
         columns[f"status[{index}].level"] = np.array([message != "ok" for message in messages], dtype=np.uint8)
-        columns[f"status[{index}].name"] = np.array([name] * 4, dtype=object)
+        columns[f"status[{index}].name"] = np.array([name] * len(messages), dtype=object)
         columns[f"status[{index}].message"] = np.array(messages, dtype=object)
-    found = {one.name.split(" (")[0]: (one.start, one.end) for one in diagnostic_alarms(Fields(columns))}
-    assert found == {
-        "winch_controller: alarms: SENSOR_LOST, MRU": (1.15, 2.15),
-        "winch_controller: alarms: SEA_MODEL_UPDATED": (1.6, 2.6),
-        "winch_controller: sensor mru: SENSOR_LOST, MRU": (1.15, 4.0),
-    }
+    return Fields(columns)
+
+
+def spans(*args):
+    return [
+        (one.name.removeprefix("winch_controller: alarms: ").split(" (")[0], round(one.start, 2), round(one.end, 2))
+        for one in diagnostic_alarms(*args)
+    ]
+
+
+def test_an_alarm_of_a_sensor_is_one_from_when_it_was_raised_until_the_sensor_is_well():
+    """Diagnostics come once a second, the controller's state in each tick: 1.15 s to 2.9 s."""
+    raised = ["ok", "ok", f"t = 1.15 s: {LOST}; t = 1.60 s: SEA_MODEL_UPDATED (event): Hs 2.0 m.", "ok", "ok"]
+    state = [Interval(1.05, 1.15, "SENSOR_DOUBTFUL, MRU", 1), Interval(1.15, 2.9, "SENSOR_LOST, MRU", 2)]
+    assert spans(told(raised, ["ok", "ok", LOST, "ok", "ok"]), state) == [
+        ("SENSOR_LOST, MRU", 1.15, 2.9),
+        ("SEA_MODEL_UPDATED", 1.6, 1.6),
+    ]
+
+
+def test_an_alarm_of_a_sensor_lasts_as_long_as_its_part_is_reported_where_no_state_was_recorded():
+    raised = ["ok", "ok", f"t = 1.15 s: {LOST}", "ok", "ok"]
+    assert spans(told(raised, ["ok", "ok", LOST, LOST, "ok"])) == [("SENSOR_LOST, MRU", 1.15, 4.0)]
+
+
+def test_an_alarm_lasts_as_long_as_it_is_the_reason_of_the_mode_from_one_mode_to_the_next():
+    brief = "DRUM_NOT_HELD: drum turns at -0.20 m/s"
+    raised = ["ok", "t = 0.50 s: DRUM_NOT_HELD (critical): drum turns at -0.20 m/s. Nothing holds the load.", "ok"]
+    waits = [
+        Interval(0.5, 0.9, "emergency_stop", reason=brief),
+        Interval(0.9, 7.0, "stopped", reason=f"{brief}; check the cause"),
+        Interval(7.0, 9.0, "standby", reason="standby requested"),
+    ]
+    assert spans(told(raised), waits) == [("DRUM_NOT_HELD", 0.5, 7.0)]
+
+
+@pytest.mark.parametrize(
+    ("code", "restored", "ends"),
+    [
+        ("AUTHORITY_LIMITED", "AUTHORITY_RESTORED", True),
+        ("ADVISER_LOST", "ADVISER_RESTORED", True),
+        ("SENSOR_LOST, DEPTH", "SENSOR_RECOVERED, DEPTH", True),
+        ("SENSOR_LOST, DEPTH", "SENSOR_RECOVERED, MRU", False),
+        ("ADVISER_LOST", "AUTHORITY_RESTORED", False),
+    ],
+)
+def test_an_alarm_ends_when_its_part_is_reported_restored_else_nothing_is_claimed_of_its_end(code, restored, ends):
+    raised = [f"t = 1.00 s: {code} (medium): words.", "ok", f"t = 3.50 s: {restored} (event): words.", "ok"]
+    assert spans(told(raised))[0] == (code, 1.0, 3.5 if ends else 1.0)
+
+
+def test_what_is_raised_again_while_it_lasts_is_one_and_afterwards_another():
+    """A lost sensor is reported again where what the loop does about it changes."""
+    stopping = LOST.replace("0.20", "1.30").replace("Compensation fades out", "Winch is stopping")
+    raised = [f"t = 1.00 s: {LOST}", f"t = 2.00 s: {stopping}", "ok", f"t = 4.00 s: {LOST}"]
+    state = [Interval(1.0, 3.0, "SENSOR_LOST, MRU", 2), Interval(4.0, 5.0, "SENSOR_LOST, MRU", 2)]
+    assert spans(told(raised), state) == [("SENSOR_LOST, MRU", 1.0, 3.0), ("SENSOR_LOST, MRU", 4.0, 5.0)]
+
+
+def test_two_alarms_of_one_tick_are_two():
+    both = "t = 1.00 s: CABLE_SLACK (medium): tension 1 kN.; WINCH_SATURATED (low): at its limits."
+    assert [(one.name.split(" (")[0], one.level) for one in diagnostic_alarms(told([both]))] == [
+        ("winch_controller: alarms: CABLE_SLACK", 1),
+        ("winch_controller: alarms: WINCH_SATURATED", 1),
+    ]
+
+
+def test_a_sensor_of_which_no_alarm_tells_is_shown_as_the_controller_held_it():
+    state = [Interval(3.0, 4.0, "SENSOR_LOST, ENCODER", 2)]
+    assert diagnostic_alarms(told([f"t = 3.00 s: {LOST}"]), state)[-1] == state[0]
 
 
 def test_the_mode_is_no_alarm_where_the_controller_s_state_tells_it_to_the_tick():
-    told = fields("winch_controller: mode", ["stopped: mru stale"] * 3)
-    assert len(diagnostic_alarms(told)) == 1
-    assert diagnostic_alarms(told, has_modes=True) == []
+    stopped = fields("winch_controller: mode", ["stopped: mru stale"] * 3)
+    assert len(diagnostic_alarms(stopped)) == 1
+    assert diagnostic_alarms(stopped, has_modes=True) == []
 
 
 @pytest.mark.parametrize("node", ["winch_controller", "cable_sim"])
 def test_what_an_operator_asked_for_is_told_at_its_own_time_and_is_no_alarm(node):
     messages = ["ok", "t = 1.20 s: factor 0.8; t = 1.55 s: speed +0.20 m/s", "ok"]
-    told = fields(f"{node}: operator", messages)
-    assert operator_requests(told) == [Interval(1.2, 1.2, "factor 0.8"), Interval(1.55, 1.55, "speed +0.20 m/s")]
+    asked = fields(f"{node}: operator", messages)
+    assert operator_requests(asked) == [Interval(1.2, 1.2, "factor 0.8"), Interval(1.55, 1.55, "speed +0.20 m/s")]
     assert operator_requests(fields("winch_controller: alarms", messages)) == []
+
+
+def test_a_fault_of_the_winch_and_the_alarm_of_its_drive_are_one_from_the_tick_of_the_fault_on():
+    words = "WINCH_EMERGENCY_STOP (high): the winch has stopped (emergency stop)."
+    drive = fields("virtual_winch: drive", [words] * 3)
+    fault = Interval(0.4, 2.4, "WINCH_EMERGENCY_STOP", 2)
+    (found,) = diagnostic_alarms(drive, [fault])
+    assert (found.name, found.start, found.end) == (f"virtual_winch: drive: {words}", 0.4, 2.4)
+    late = Interval(9.0, 10.0, "WINCH_EMERGENCY_STOP", 2)
+    assert diagnostic_alarms(drive, [late])[1] == late, "of another time"
+    other = fields("winch_controller: alarms", ["t = 0.50 s: WINCH_SATURATED (low): at its limits."])
+    assert diagnostic_alarms(other, [fault])[-1] == fault, "another alarm of the winch does not tell of it"

@@ -279,6 +279,26 @@ def test_an_alarm_that_comes_again_and_again_is_one_line(shared_bag):
     ]
 
 
+def test_the_errors_of_a_run_are_its_critical_and_high_alarms_the_gravest_first(shared_bag):
+    """The end of a run left out high alarms of the controller, and listed a medium one since its sensor was lost."""
+    (record,) = analysis.analyse([shared_bag])
+    part = "winch_controller: alarms: "
+    rows = (
+        (10.0, 12.0, f"{part}SENSOR_LOST, DEPTH (medium): no data.", 1),
+        (20.0, 20.0, f"{part}LOAD_SWINGS (high): the load swings.", 2),
+        (30.0, 40.0, f"{part}DRUM_NOT_HELD (critical): drum turns.", 2),
+        (15.0, 18.0, "WINCH_COMMAND_TIMEOUT", 2),
+    )
+    record.alarms = [Interval(*row) for row in rows]
+    assert run_words.errors(record) == [
+        "30.0 s to 40.0 s: DRUM_NOT_HELD (critical): drum turns.",
+        "15.0 s to 18.0 s: WINCH_COMMAND_TIMEOUT",
+        "20.0 s: LOAD_SWINGS (high): the load swings.",
+    ]
+    record.modes.append(Interval(50.0, 60.0, "emergency_stop", reason="emergency stop requested"))
+    assert run_words.errors(record)[0] == "50.0 s: mode emergency_stop: emergency stop requested"
+
+
 def test_a_list_that_is_empty_or_not_stated_is_no_difference(shared_bag):
     one, other = analysis.analyse([shared_bag, shared_bag])
     one.parameters = {"winch_controller": {"programme.modes": [], "law": "off"}}

@@ -29,6 +29,8 @@ if TYPE_CHECKING:
 SUBSTITUTE = "heave_bags.play.substitute_node"
 """Module that plays a bag in the place of a node."""
 
+FROM_BAG = "_from_bag"
+"""Ends the name of what plays a bag in the place of a node: the parameters of the node itself do not concern it."""
 _BAG = "bag:="
 """Before the path of the bag among the arguments."""
 
@@ -37,7 +39,7 @@ def program(node: str, bag: Path) -> list[str]:
     """Return the module that plays `bag` in the place of `node`, and its arguments; more of ROS may follow."""
     return [
         *(SUBSTITUTE, node, "--ros-args"),
-        *("-r", f"__node:={node}_from_bag"),  # the parameters of the node itself do not concern its substitute
+        *("-r", f"__node:={node}{FROM_BAG}"),
         *("-p", f"{_BAG}{bag}"),
     ]
 

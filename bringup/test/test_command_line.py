@@ -47,7 +47,7 @@ from heave_bringup.cli import main
         (["adapt", "no_map"], "heave: no_map: there is no such file"),
         (["adapt", "--check", __file__], f"heave: {__file__}: "),
         (["study", "--show", "no_such"], "heave: no_such: no such study or file"),
-        (["export", __file__, "--csv", "x.csv"], f"heave: {__file__}: not an MCAP file"),
+        (["export", __file__, "--csv", "x.csv"], f"heave: {__file__}: a text file, not an MCAP file; give "),
         (["run", "b2_calm_300", "--bag", str(Path(__file__).parent)], f"heave: {Path(__file__).parent}: is not empty"),
         (["run", "no_such_scenario"], "heave: no_such_scenario"),
         (
@@ -94,6 +94,12 @@ from heave_bringup.cli import main
         (["operate", "depth", "deep"], "heave operate depth: argument D: deep: must be a number from "),
         (["operate", "step", "0"], "heave operate step: argument N: 0: must be a whole number of at least 1"),
         (["operate", "fault", "inject", "mru", "clear"], "heave operate fault inject: argument kind: invalid choice"),
+        (
+            ["operate", "fault", "inject", "winch", "freeze"],
+            "heave: winch: a fault of kind freeze is unknown; known: gap, delay, drive,",
+        ),
+        (["operate", "fault", "inject", "mru", "scale"], "heave: mru: the magnitude of kind scale must be a factor"),
+        (["operate", "fault", "inject", "depth", "restart"], "heave: depth: a fault of kind restart is unknown"),
         (["panel", "--port", "0"], "heave panel: argument --port: 0: must be a whole number from 1 to 65535"),
         (["view", "--port", "high"], "heave view: argument --port: high: must be a whole number from 1 to 65535"),
         (["operate", "--json", "-"], "heave operate: the following arguments are required: VERB"),
@@ -188,7 +194,7 @@ def test_the_folder_of_a_run_is_repaired_though_its_bag_lost_the_index(tmp_path)
 @pytest.mark.parametrize("command", [["replay"], ["import", "--topic", "/heave", "--output", "sea.csv"], ["kpi"]])
 def test_a_bag_that_does_not_exist_is_told_as_such(command, tmp_path, capsys):
     assert main([*command, str(tmp_path / "nothing")]) == 2
-    assert capsys.readouterr().err.endswith("nothing: no such bag\n")
+    assert capsys.readouterr().err.endswith("nothing: no such bag: no file or folder has this name\n")
 
 
 def test_a_text_is_no_map(tmp_path, capsys):

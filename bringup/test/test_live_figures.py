@@ -38,7 +38,7 @@ def diagnosed(mode: str, time: float, changes: dict[str, str], level: bytes = Di
 
 
 def listener() -> SimpleNamespace:
-    return SimpleNamespace(live=LiveFigures(), _news=[], _errors={}, _taken={}, alarms=[], strangers={})
+    return SimpleNamespace(live=LiveFigures(), _news=[], _errors={}, _taken={}, strangers={})
 
 
 def test_a_loss_is_told_with_the_time_of_the_change_and_the_stop_that_follows_is_no_other():
@@ -50,7 +50,6 @@ def test_a_loss_is_told_with_the_time_of_the_change_and_the_stop_that_follows_is
     ):
         Monitor._on_diagnostics(monitor, message)
     assert monitor._news == ["t = 61.90 s: COMPENSATION_LOST (high): mode fade_out: mru stale"]
-    assert monitor.alarms == []
 
 
 def test_a_loss_between_two_diagnostics_is_told_though_compensation_has_come_back():
@@ -70,7 +69,7 @@ def test_a_stop_for_another_reason_than_the_loss_is_told_as_well():
     Monitor._on_diagnostics(
         monitor, diagnosed("emergency_stop: emergency stop requested", 63.05, stop, DiagnosticStatus.ERROR)
     )
-    assert monitor.alarms == ["t = 62.50 s: winch_controller: mode: emergency_stop: emergency stop requested"]
+    assert monitor._news[-1] == "t = 62.50 s: winch_controller: mode: emergency_stop: emergency stop requested"
 
 
 def test_a_lost_sensor_is_told_once_by_the_controllers_alarms():
@@ -82,19 +81,26 @@ def test_a_lost_sensor_is_told_once_by_the_controllers_alarms():
     header = Header(stamp=Time(sec=10))
     Monitor._on_diagnostics(monitor, DiagnosticArray(header=header, status=[sensor, alarms]))
     assert monitor._news == [f"t = 9.80 s: {lost}"]
-    assert monitor.alarms == [f"t = 9.80 s: winch_controller: sensor mru: {lost}"], "an error of the run, at one time"
 
 
-def test_a_critical_alarm_is_an_error_of_the_run_in_whatever_mode():
-    monitor, lines = (
-        listener(),
-        ("DRUM_NOT_HELD (critical): drum turns.", "SENSOR_DOUBTFUL, DEPTH (low): one reading a second."),
-    )
-    values = [KeyValue(key="t = 9.80 s", value=line) for line in lines]
+def test_what_happened_is_told_in_order_an_alarm_before_the_loss_that_it_causes():
+    """Parts of diagnostics come mode first, and hold what happened in a second: the cause stood after its effect."""
+    cause = "DRUM_NOT_HELD (critical): drum turns at -0.20 m/s. Nothing holds the load."
+    reason = "fade_out: DRUM_NOT_HELD: drum turns at -0.20 m/s"
+    mode = diagnosed(reason, 10.0, {"t = 9.80 s": reason}).status[0]
+    values = [
+        KeyValue(key="t = 9.80 s", value=cause),
+        KeyValue(key="t = 9.90 s", value="CABLE_SLACK (medium): tension 1 kN."),
+    ]
     alarms = DiagnosticStatus(level=DiagnosticStatus.WARN, name=ALARMS_PART, message="2", values=values)
-    off = DiagnosticStatus(name=MODE_PART, message="off")
-    Monitor._on_diagnostics(monitor, DiagnosticArray(header=Header(stamp=Time(sec=10)), status=[off, alarms]))
-    assert monitor.alarms == [f"t = 9.80 s: {lines[0]}"]
+    monitor = listener()
+    Monitor._on_diagnostics(monitor, diagnosed("compensating", 9.0, {}))
+    Monitor._on_diagnostics(monitor, DiagnosticArray(header=Header(stamp=Time(sec=10)), status=[mode, alarms]))
+    assert [line.split(" (")[0] for line in monitor._news] == [
+        "t = 9.80 s: DRUM_NOT_HELD",
+        "t = 9.80 s: COMPENSATION_LOST",
+        "t = 9.90 s: CABLE_SLACK",
+    ]
 
 
 def test_an_alarm_is_printed_once_where_a_slow_tick_was_sent_and_answered_again():

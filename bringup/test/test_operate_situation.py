@@ -1,5 +1,7 @@
 """What the operator reads of a run in one line."""
 
+from dataclasses import replace
+
 from heave_bringup.operate.situation import (
     FAILED,
     PAUSED,
@@ -29,6 +31,14 @@ def test_a_run_at_work_is_told_in_one_line():
         "mean depth 904.20 m; payout 1.25 m at -0.300 m/s, brake off; "
         "load heave, standard deviation 0.31 cm over 60 s, as estimated; no alarm"
     )
+
+
+def test_the_status_of_an_open_loop_shows_no_recorded_figure_as_one_of_now():
+    """Load and winch are those of a bag: their depth, payout and heave were read as what this run does."""
+    line = status_line(replace(AT_WORK, played=("cable_sim", "virtual_winch")))
+    assert "open loop: the figures are those of the recorded cable_sim and virtual_winch" in line
+    assert not any(word in line for word in ("payout", "mean depth", "load heave"))
+    assert "payout" in status_line(replace(AT_WORK, played=("wave_vessel",))), "a sea from a bag moves a winch that is"
 
 
 def test_a_run_that_waits_or_has_failed_says_for_what_and_why():

@@ -49,6 +49,16 @@ def test_before_the_nodes_have_answered_the_progress_says_what_is_waited_for(cap
     assert capsys.readouterr().err == "waiting for the nodes to answer\n"
 
 
+@pytest.mark.parametrize("external", [(), ("cable_sim",)])
+@pytest.mark.parametrize("is_there", [True, False])
+def test_a_first_run_says_that_the_plant_is_compiled(monkeypatch, is_there, external):
+    """It stood for minutes at "starting the nodes"."""
+    shown, scenario = [], SimpleNamespace(run=SimpleNamespace(external=external))
+    monkeypatch.setattr(run, "is_compiled", lambda _: is_there)
+    run._show_progress(scenario, SimpleNamespace(status=None, kpi=None), SimpleNamespace(show=shown.append))
+    assert ("compiling" in shown[0]) is not (is_there or bool(external))
+
+
 @pytest.mark.parametrize("has_bag", [True, False])
 def test_a_node_that_does_not_end_fails_a_run_only_where_the_bag_is_not_closed(monkeypatch, tmp_path, capsys, has_bag):
     monkeypatch.setattr(run, "_show_progress", lambda *_: None)

@@ -23,7 +23,7 @@ def test_the_line_of_an_alarm_is_code_severity_state_consequence_and_action():
     alarm = TABLE.alarm("SENSOR_LOST, MRU: stale", age=1.25)
     assert str(alarm) == "SENSOR_LOST, MRU (high): no data for 1.2 s. Compensation fades out. Check power."
     assert (alarm.name, alarm.severity, alarm.values) == ("SENSOR_LOST, MRU: stale", Severity.HIGH, {"age": 1.25})
-    assert alarm.brief == "SENSOR LOST, MRU: no data for 1.2 s"
+    assert alarm.brief == "SENSOR_LOST, MRU: no data for 1.2 s"
     assert str(TABLE.alarm("CABLE_SLACK", tension=8.0)) == "CABLE_SLACK (medium): tension 8.0 kN."
 
 
@@ -38,14 +38,13 @@ def test_the_line_of_an_alarm_is_code_severity_state_consequence_and_action():
 )
 def test_a_value_beyond_its_limit_is_not_shown_as_the_limit(value, limit, shown):
     row = AlarmRow("DRUM_OFF", Severity.HIGH, "winch", "off by {by:+.2f} m, limit {limit:.2f} m")
-    assert alarm_table(row).alarm("DRUM_OFF", by=value, limit=limit).brief == f"DRUM OFF: off by {shown}"
+    assert alarm_table(row).alarm("DRUM_OFF", by=value, limit=limit).brief == f"DRUM_OFF: off by {shown}"
 
 
 def test_alarms_are_read_from_the_lines_of_several():
     raised = [TABLE.alarm("SENSOR_LOST, MRU: stale", age=1.0), TABLE.alarm("CABLE_SLACK", tension=2.0)]
     found = alarms_in(f"winch_controller: alarms: {'; '.join(map(str, raised))}")
     assert [(one.code, one.severity, one.text) for one in found] == [(a.code, a.severity, a.text) for a in raised]
-    assert found[0].title == "SENSOR LOST, MRU"
     assert math.isnan(found[0].time)
 
 

@@ -327,7 +327,7 @@ def test_without_a_witness_an_operators_consent_is_asked_for():
     assert "MRU UNPROVED" in controlled(tension=None)[0].gate
     assert controlled(tension=None)[1] == ["MRU_UNPROVED: alone"]
     assert controlled(tension=None, asks=20.0)[0].gate == ""
-    assert "MRU UNPROVED: the load cell shows 3.33 times" in controlled(scale=0.3)[0].gate
+    assert "MRU_UNPROVED: the load cell shows 3.33 times" in controlled(scale=0.3)[0].gate
     assert controlled(scale=0.3, asks=30.0)[0].gate == ""
     stated = WinchControllerParameters(length=900.0, entry=EntryParameters(accept_unproved=True))
     assert controlled(stated, tension=None, seconds=SHORTEST + 2.0)[0].gate == ""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Any
@@ -34,6 +34,8 @@ from heave_bags.signals import RunSignals, Signal
 
 REPEATED = 1.0
 """Time for which a message of /diagnostics holds, until the next [s]."""
+TICKS = 0.11
+"""Time after which what an alarm is about stands in the controller's state at the latest: two ticks [s]."""
 
 HOLDS_TENSION = "constant_tension"
 LOST = f"{COMPENSATION_LOST} ({Severity.HIGH.word})"
@@ -42,6 +44,8 @@ COMPENSATES = ("compensating", HOLDS_TENSION)
 """Modes of the controller in which the winch does its work."""
 OFF = "off"
 """Mode of a controller whose law never moves the winch."""
+EMERGENCY_STOP = "emergency_stop"
+"""Mode after an operator's emergency stop, or the winch's own."""
 
 
 MODE_PART = f"{topics.CONTROLLER_STATE.publisher}: {MODE}"
@@ -50,6 +54,10 @@ ALARMS_PART = f"{topics.CONTROLLER_STATE.publisher}: {ALARMS}"
 """Part in which the controller reports what it has identified, and its faults."""
 SENSOR_PARTS = f"{topics.CONTROLLER_STATE.publisher}: {SENSOR} "
 """Prefix of the parts in which it reports the state of each sensor; their faults are among its alarms, too."""
+SENSOR_CODES = {SensorLevel.SUSPECT: "SENSOR_DOUBTFUL", SensorLevel.LOST: "SENSOR_LOST"}
+"""Codes of its alarms about a sensor that it holds so."""
+RESTORED = ("_RESTORED", "_RECOVERED")
+"""Ends of the codes of events that end an alarm whose code begins with the same word."""
 OPERATOR_PART = f": {OPERATOR}"
 """End of the name of the part in which a node reports what an operator has requested of it."""
 
@@ -141,35 +149,45 @@ def winch_limits(winch: Fields) -> list[Interval]:
 
 
 def winch_faults(winch: Fields) -> list[Interval]:
-    """Return when the winch had stopped by itself, and why."""
+    """Return when the winch had stopped by itself, by the code of its alarm."""
     codes = winch.codes("fault")
     found: list[Interval] = []
     for fault in WinchFault:
         if fault:
-            found += _flagged(winch.time, codes == fault, f"winch: {words(fault)}", level=2)
+            code = f"WINCH_{fault.name}{'_FAULT' if fault is WinchFault.DRIVE else ''}"
+            found += _flagged(winch.time, codes == fault, code, level=2)
     return found
 
 
 def sensor_alarms(state: Fields) -> list[Interval]:
-    """Return when the controller held a sensor as `suspect` or `lost`, from the columns of its `state`."""
+    """Return when the controller held a sensor as `suspect` or `lost`, by the code of that, from its `state`."""
     found: list[Interval] = []
     for index in state.indices("sensors[].level"):
         levels, names = state.codes(f"sensors[{index}].level"), state.texts(f"sensors[{index}].sensor")
-        for level in (SensorLevel.SUSPECT, SensorLevel.LOST):
+        for level, code in SENSOR_CODES.items():
             where = levels == level
             if where.any() and names is not None:
-                found += _flagged(state.time, where, f"{names[where][0]} {words(level)}", level=int(level))
+                found += _flagged(state.time, where, f"{code}, {str(names[where][0]).upper()}", level=int(level))
     return found
 
 
-def diagnostic_alarms(diagnostics: Fields, *, has_modes: bool = False) -> list[Interval]:
-    """Return the warnings and errors of /diagnostics, by its columns, each from when it was raised on.
+def diagnostic_alarms(
+    diagnostics: Fields, holding: Sequence[Interval] = (), *, has_modes: bool = False
+) -> list[Interval]:
+    """Return the warnings and errors of /diagnostics, by its columns, each from when it was raised to its end.
 
-    One whose figures alone change, as of a countdown, is one. The modes of the controller are not reported where
-    `has_modes`: they are known to the tick.
+    One whose figures alone change, as of a countdown, is one. What the controller raises lasts as long as what it is
+    about is reported, and is at one time where nothing reports that.
+
+    Parameters
+    ----------
+    diagnostics : columns of the topic
+    holding : what is known to the tick: `sensor_alarms`, `winch_faults`, and why the controller did not compensate
+        (`waits`). A sensor or fault that no alarm tells of is returned as it is
+    has_modes : the controller's modes are known to the tick, and not reported here
     """
-    alarms: dict[tuple[str, int], tuple[str, list[float]]] = {}
-    found: list[Interval] = []
+    lasting: dict[tuple[str, int], tuple[str, list[float]]] = {}
+    raised: list[Interval] = []
     for index in diagnostics.indices("status[].level"):
         levels = diagnostics.codes(f"status[{index}].level")
         names, messages = (diagnostics.texts(f"status[{index}].{part}") for part in ("name", "message"))
@@ -180,34 +198,87 @@ def diagnostic_alarms(diagnostics: Fields, *, has_modes: bool = False) -> list[I
                 continue
             time, level = float(diagnostics.time[row]), min(int(levels[row]), 2)
             if name == ALARMS_PART and (reported := timed_words("" if messages is None else str(messages[row]))):
-                found += [Interval(at, at + REPEATED, f"{name}: {text}", _level(text, level)) for at, text in reported]
+                raised += [one for at, text in reported for one in _raised(at, text, level)]
                 continue
             is_reported_once = name.endswith(f": {ALARMS}")
             kind = label if is_reported_once else f"{name}: {kind_of('' if messages is None else str(messages[row]))}"
-            _, times = alarms.setdefault((kind, _level(label, level)), (label, []))
+            _, times = lasting.setdefault((kind, _level(label, level)), (label, []))
             times.append(time)
-    raised = [(alarm.code, one.start) for one in found for alarm in alarms_in(one.name)]
-    for (_, level), (label, times) in alarms.items():
-        found += [_since(one, raised) for one in _joined(times, label, level)]
-    return found
+    parts = [one for (_, level), (label, times) in lasting.items() for one in _joined(times, label, level)]
+    since = [replace(one, start=one.start - REPEATED) for one in parts]  # for so long, reported a second later
+    raised = _spans(sorted(raised, key=lambda one: one.start), (holding, since))
+    parts = [_as_held(one, holding) for one in parts if not _is_told(one, raised)]
+    return [*raised, *parts, *(one for one in holding if one.level and not _is_told(one, [*raised, *parts]))]
+
+
+def _raised(time: float, text: str, level: int) -> list[Interval]:
+    """Return what the controller raised at a `time` [s], a `text` of one alarm or more: each, or the text itself."""
+    texts = [f"{one.code} ({one.severity.word}): {one.text}" for one in alarms_in(text)] or [text]
+    return [Interval(time, time, f"{ALARMS_PART}: {one}", _level(one, level)) for one in texts]
+
+
+def _spans(raised: Sequence[Interval], known: Sequence[Sequence[Interval]]) -> list[Interval]:
+    """Return the alarms that were `raised`, in order, each to the end of what it is about, by the first of what is
+    `known` that tells it, else until it is reported as restored.
+
+    One that is raised again meanwhile in the same words is one.
+    """
+    found: dict[str, Interval] = {}
+    spans: list[Interval] = []
+    for one in raised:
+        kind = without_figures(one.name.partition(". ")[0])
+        if kind in found and one.start < found[kind].end:
+            continue
+        end = one.start
+        for holding in known:
+            for held in sorted(holding, key=lambda held: held.start) if end == one.start else ():
+                if held.start - TICKS <= end <= held.end and _is_about(one, held):
+                    end = held.end  # a reason may go on in the next mode
+        if end == one.start and one.level:
+            end = next((later.start for later in raised if later.start > end and _restores(later, one)), end)
+        found[kind] = replace(one, end=end)
+        spans.append(found[kind])
+    return spans
+
+
+def _codes(one: Interval) -> list[str]:
+    return [alarm.code for alarm in alarms_in(one.name)] or [one.name]
+
+
+def _is_about(raised: Interval, held: Interval) -> bool:
+    """Return whether what was `raised` is a sensor, a part of diagnostics or a reason of the mode that is `held` so."""
+    return any(code in _codes(held) or f"{code}: " in held.reason for code in _codes(raised))
+
+
+def _restores(later: Interval, one: Interval) -> bool:
+    """Return whether an event, `later`, says that what an alarm, `one`, was about is well again: ADVISER_RESTORED."""
+    (end, _, part), (kind, _, of) = (_codes(each)[0].partition(", ") for each in (later, one))
+    return end.endswith(RESTORED) and (end.partition("_")[0], part) == (kind.partition("_")[0], of)
+
+
+def _beside(held: Interval, others: Sequence[Interval]) -> Iterator[Interval]:
+    """Yield those of the `others` that are there while something is `held`, or up to a second before or after."""
+    return (one for one in others if one.start - REPEATED <= held.end and held.start - REPEATED <= one.end)
+
+
+def _is_told(held: Interval, raised: Sequence[Interval]) -> bool:
+    """Return whether an alarm of those that were `raised` tells of what is `held` so: of its code, or of its sensor."""
+    told = {code.partition(", ")[2] or code for one in _beside(held, raised) if one.level for code in _codes(one)}
+    return any((code.partition(", ")[2] or code) in told for code in _codes(held))
+
+
+def _as_held(part: Interval, holding: Sequence[Interval]) -> Interval:
+    """Return a `part` of diagnostics with the span, known to the tick, of what it reports and is `holding`."""
+    found = [held for held in _beside(part, holding) if _is_about(part, held)]
+    return replace(part, start=found[0].start, end=found[-1].end) if found else part
 
 
 def _level(text: str, level: int) -> int:
-    """Return 2 for a `text` with a high or critical alarm, 0 for events alone; else the `level` of its part."""
-    severities = {alarm.severity for alarm in alarms_in(text)}
-    if severities & {Severity.CRITICAL, Severity.HIGH}:
-        return 2
-    return 0 if severities == {Severity.EVENT} else level
-
-
-def _since(lasting: Interval, raised: Sequence[tuple[str, float]]) -> Interval:
-    """Return an alarm, `lasting` as diagnostics report it up to a second later, from when it was `raised` on: code and
-    time [s] of each.
+    """Return the level of the gravest alarm in a `text`, 2 where it is critical or high, 0 of an event; of a text
+    without alarms the `level` of its part.
     """
-    codes = {alarm.code for alarm in alarms_in(lasting.name)}
-    earliest = lasting.start - REPEATED
-    times = [time for code, time in raised if code in codes and earliest <= time <= lasting.start]
-    return replace(lasting, start=max(times, default=lasting.start))
+    gravest = max((alarm.severity for alarm in alarms_in(text)), default=None)
+    return level if gravest is None else 2 if gravest >= Severity.HIGH else int(gravest > Severity.EVENT)
 
 
 def operator_requests(diagnostics: Fields) -> list[Interval]:

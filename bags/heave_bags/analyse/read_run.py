@@ -164,7 +164,9 @@ def _fill(record: RunRecord, fields: Mapping[str, Fields], parameters: NodeParam
             "payout about its set-point"
         )
     record.sea = _sea(fields[SEA_STATE])
-    record.alarms += events.diagnostic_alarms(fields[DIAGNOSTICS], has_modes=bool(record.modes))
+    known = events.sensor_alarms(fields[CONTROLLER]) + events.winch_faults(fields[WINCH])
+    holding = [*known, *record.waits]
+    record.alarms += events.diagnostic_alarms(fields[DIAGNOSTICS], holding, has_modes=bool(record.modes))
     record.requests += events.operator_requests(fields[DIAGNOSTICS])
     _fill_outcome(record)
     fill_parameters(record.signals, parameters)
@@ -272,7 +274,6 @@ def _fill_winch(record: RunRecord, winch: Fields) -> None:
         record.notes.append("payout is the encoder's reading: the true payout was not recorded")
     signals.limits_hit = Signal(winch.time, winch.codes("limits_hit").astype(float))
     record.limits += events.winch_limits(winch)
-    record.alarms += events.winch_faults(winch)
 
 
 def _fill_controller(record: RunRecord, state: Fields) -> None:
@@ -283,7 +284,6 @@ def _fill_controller(record: RunRecord, state: Fields) -> None:
         lost = [mode.start for mode in events.losses(record.modes)]
         record.signals.losses = Signal(state.time, np.isin(state.time, lost).astype(float))
     record.signals.execution_time = state.signal("execution_time")
-    record.alarms += events.sensor_alarms(state)
     record.innovations = innovations(state)
     record.signals.nis_in_band = nis_in_band(state)
 

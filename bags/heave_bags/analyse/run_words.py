@@ -21,7 +21,7 @@ from heave_bags.analyse.events import Interval
 from heave_bags.analyse.kpis.window import Window
 from heave_bags.analyse.reading.stored import cable_weight, number
 from heave_bags.analyse.run_record import SEA, RunRecord
-from heave_bags.analyse.run_warnings import worse_times
+from heave_bags.analyse.run_warnings import ERROR, worse_times
 
 OFTEN = 4
 """An alarm that comes so often in a run is one line of what happened, with their number."""
@@ -201,6 +201,19 @@ def _alarms(alarms: Sequence[Interval]) -> list[Happening]:
             words = f"{len(same)} times, first: {_alarm_words(same[0].name)}"
             found.append(Happening(same[0].start, max(one.end for one in same), words, level))
     return found
+
+
+def errors(record: RunRecord) -> list[str]:
+    """Return critical and high alarms of the run `record` and what else was an error, the gravest first, as lines."""
+    grave = [one for one in record.alarms if one.level == ERROR]
+    found = sorted(_alarms(grave), key=lambda one: (-_severity(one.text), one.start))
+    stops = [one for one in _modes(record.modes) if one.text.startswith(f"mode {events.EMERGENCY_STOP}")]
+    return [f"{one.when}: {one.text}" for one in (*stops, *found)]
+
+
+def _severity(text: str) -> Severity:
+    """Return the severity of an error: that of its gravest alarm; of one without a code it is high."""
+    return max((one.severity for one in alarms_in(text)), default=Severity.HIGH)
 
 
 def _alarm_words(name: str) -> str:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import math
+from dataclasses import fields
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -49,14 +50,5 @@ def options_from(arguments: argparse.Namespace) -> PlaybackOptions:
         if not (old and arrow and new):
             raise BagError(f"--remap {text}: it must be OLD:=NEW")
         remap[old] = new
-    return PlaybackOptions(
-        rate=arguments.rate,
-        start=arguments.start,
-        duration=arguments.duration,
-        loop=arguments.loop,
-        paused=arguments.paused,
-        topics=arguments.topics,
-        exclude=arguments.exclude,
-        nodes=arguments.nodes,
-        remap=remap,
-    )
+    own = {one.name: getattr(arguments, one.name) for one in fields(PlaybackOptions)}
+    return PlaybackOptions(**{**own, "remap": remap})

@@ -56,6 +56,10 @@ MOST_MODES = 12
 """Modes or limits that a legend names; a bag may bring any number."""
 
 
+SHOWN = 0.5
+"""Time for which what happened at one time is drawn, so that it is seen [s]."""
+
+
 def run_figures(record: RunRecord) -> list[Figure]:
     """Return the figures of the run `record`; those whose signals were not recorded are left out."""
     signals = record.signals
@@ -112,7 +116,7 @@ def motion_figure(record: RunRecord) -> Figure:
 
 def _ribbon(intervals: Sequence[Interval], row: str, colour: str, name: str) -> dict[str, Any]:
     """Return intervals as a thick line in the row `row` of the ribbon."""
-    x = [time for one in intervals for time in (one.start, one.end, None)]
+    x = [time for one in intervals for time in (one.start, max(one.end, one.start + SHOWN), None)]
     texts = [text for one in intervals for text in (one.name, one.name, None)]
     drawn = {"mode": "lines", "line": {"color": colour, "width": 13}, "yaxis": "y2", "showlegend": False}
     hover = {"text": texts, "hovertemplate": "%{text}: %{x:.1f} s<extra></extra>"}

@@ -38,6 +38,7 @@ from heave_bringup.operate.requests import (
     request_mode,
 )
 from heave_bringup.operate.situation import ControllerStatus, Figures, RunStatus, Situation, WinchStatus
+from heave_bringup.replacements import FROM_BAG
 
 MEETING_TIME = 6.0
 """Wall time in which a service of a run that was found must show itself [s]."""
@@ -226,6 +227,7 @@ class RunLink:
         deadline = self.wall_time + seconds
         while (self.situation.controller is None or self.situation.winch is None) and self.wall_time < deadline:
             self.spin(LOOK_PERIOD)
+        self._survey()
 
     def finish(self, task: Task) -> Answer:
         """Look at a `task` until it has its answer; Ctrl-C lets it go, smoothly."""
@@ -333,11 +335,14 @@ class RunLink:
             self._survey()
 
     def _survey(self) -> None:
-        """See which devices are simulated: those whose node lets faults be injected. Hardware does not."""
+        """See which devices are simulated, as hardware does not let faults be injected, and which nodes a bag plays."""
         serving = {
             node for node in set(NODE_OF_DEVICE.values()) if self._node.count_services(f"{node}/inject_fault") > 0
         }
         self.situation.simulated = tuple(device for device, node in NODE_OF_DEVICE.items() if node in serving)
+        nodes = self._node.get_node_names_and_namespaces()
+        own = [name for name, namespace in nodes if namespace.strip("/") == self._namespace]
+        self.situation.played = tuple(name.removesuffix(FROM_BAG) for name in own if name.endswith(FROM_BAG))
 
     def _on_load_cell(self, message: LoadCell) -> None:
         self.situation.load_cell = message.tension

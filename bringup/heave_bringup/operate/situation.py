@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field, replace
 
+from heave_bags.analyse.verdict import open_loop
 from heave_node.interface.codes import MODE
 
 WAITING, RUNNING, PAUSED, ENDED, FAILED = range(5)
@@ -99,6 +100,7 @@ class Situation:
     load_cell: float = UNKNOWN  # top tension as the load cell measures it [N]; NaN where there is none
     # devices that a node of the run simulates, so that faults can be injected; None: not known yet
     simulated: tuple[str, ...] | None = None
+    played: tuple[str, ...] = ()  # nodes in whose place a bag is played
     troubles: dict[str, Trouble] = field(default_factory=dict)  # by part, what /diagnostics says is not well now
 
     @property
@@ -157,9 +159,24 @@ def mode_words(controller: ControllerStatus) -> str:
 def status_line(situation: Situation) -> str:
     """Say a `situation` in one line."""
     parts = [run_words(situation.run)]
-    controller, winch, figures = situation.controller, situation.winch, situation.figures
+    controller = situation.controller
     if controller is not None:
         parts.append(mode_words(controller))
+    if recorded := open_loop(situation.played):
+        parts.append(recorded)
+    else:
+        parts += _motion(situation)
+    if situation.is_paused and controller is None:
+        parts.append("nodes publish nothing while it is paused: step to see more")
+    # the mode stands above, with its reason
+    alarms = [str(alarm) for alarm in situation.alarms if controller is None or not alarm.part.endswith(f": {MODE}")]
+    parts.append(f"alarms: {', '.join(alarms)}" if alarms else "no alarm")
+    return "; ".join(parts)
+
+
+def _motion(situation: Situation) -> list[str]:
+    """Say how load and winch stand and move in a `situation`, as far as it is known."""
+    parts, winch, figures = [], situation.winch, situation.figures
     if math.isfinite(situation.depth):
         parts.append(f"mean depth {situation.depth:.2f} m")
     if winch is not None:
@@ -167,9 +184,4 @@ def status_line(situation: Situation) -> str:
     if figures is not None and math.isfinite(figures.unit_sigma):
         heave = f"{100.0 * figures.unit_sigma:.2f} cm over {figures.window:.0f} s"
         parts.append(f"load heave, standard deviation {heave}, as estimated")
-    if situation.is_paused and controller is None:
-        parts.append("nodes publish nothing while it is paused: step to see more")
-    # the mode stands above, with its reason
-    alarms = [str(alarm) for alarm in situation.alarms if controller is None or not alarm.part.endswith(f": {MODE}")]
-    parts.append(f"alarms: {', '.join(alarms)}" if alarms else "no alarm")
-    return "; ".join(parts)
+    return parts

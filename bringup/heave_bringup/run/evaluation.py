@@ -42,6 +42,7 @@ class Evaluation:
     headline: str  # the figures of merit that sum the run up, as a table
     table: str  # of all figures of merit
     figures: dict[str, object]  # the same for a machine
+    errors: list[str]  # that the nodes reported, the gravest first, each in words
     losses: list[str]  # of compensation, each in words
     warnings: list[str]  # what a reader of the figures must be warned of
     verdict: Verdict  # by the criteria of the scenario and of the command line
@@ -53,7 +54,6 @@ def evaluate(
     report: Path | None,
     *,
     required: Sequence[Criterion] = (),
-    alarms: int = 0,
     baseline: bool | None = False,
 ) -> Evaluation:
     """Evaluate a run.
@@ -64,7 +64,6 @@ def evaluate(
     bag : folder of the bag
     report : file of the HTML report; None writes none
     required : criteria of the command line
-    alarms : number of errors that the nodes reported
     baseline : the scenario is run again under the baseline law, in this process; the result is kept beside the bag.
         None: where the extra for it is installed
     """
@@ -73,15 +72,17 @@ def evaluate(
     except NoBagError as error:  # of a run that was made: nothing was refused
         raise CommandError(str(error)) from error
     (record,) = records
-    verdict = judge(record, scenario.wanted, required=required, moves_winch=scenario.moves_winch, alarms=alarms)
+    errors = run_words.errors(record)
+    verdict = judge(record, scenario.wanted, required=required, moves_winch=scenario.moves_winch, alarms=len(errors))
     if report is not None:
         save_report(records, report, [verdict])
     losses = run_words.losses(record)
     warnings = run_warnings.warnings(record, record.kpis())
     figures = {
         **analysis.to_json(record),
+        "alarms": errors,
         "losses_of_compensation": losses,
         "warnings": warnings,
         "verdict": verdict.to_json(),
     }
-    return Evaluation(headline.table(records), analysis.table(records), figures, losses, warnings, verdict)
+    return Evaluation(headline.table(records), analysis.table(records), figures, errors, losses, warnings, verdict)

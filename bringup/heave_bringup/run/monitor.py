@@ -10,7 +10,7 @@ from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from heave_bags.analyse.events import ALARMS_PART, MODE_PART, SENSOR_PARTS
 from heave_msgs.msg import CompensationKpi, TickStatus
 from heave_node.interface import topics
-from heave_node.interface.alarm import Severity, alarms_in, kind_of
+from heave_node.interface.alarm import kind_of
 from heave_node.interface.codes import time_key, time_of
 from heave_node.ros.process import node_beside
 from heave_node.ros.spin import Spinner
@@ -39,7 +39,6 @@ class Monitor:
     ----------
     status, kpi : the newest of each
     live : the mode of the controller, and what it lost
-    alarms : errors that the nodes reported on /diagnostics, and critical alarms, in order, each once
     strangers : what they said of processes that publish where only others may, in order
     """
 
@@ -49,7 +48,6 @@ class Monitor:
         self.status: TickStatus | None = None
         self.kpi: CompensationKpi | None = None
         self.live = LiveFigures(is_open_loop=is_open_loop)
-        self.alarms: list[str] = []
         self._news: list[str] = []
         self.strangers: dict[str, None] = {}
         self._errors: dict[str, str] = {}
@@ -97,28 +95,25 @@ class Monitor:
         if self._taken.get(sender) == message:
             return  # a tick that was sent again is answered again
         self._taken[sender] = message
-        for part in message.status:
+        lines: list[str] = []
+        for part in sorted(message.status, key=lambda part: part.name != ALARMS_PART):  # the cause before its effect
             if part.name == MODE_PART:
                 time_of_tick = seconds_of(message.header.stamp)
                 reported = {value.key: value.value for value in part.values}
-                self._news += self.live.note_modes(time_of_tick, part.message, reported)
+                lines += self.live.note_modes(time_of_tick, part.message, reported)
                 if self.live.is_reported:
                     continue
             if part.name == ALARMS_PART:
-                lines = [f"{reported.key}: {reported.value}" for reported in part.values]
-                self._news += lines
-                self.alarms += [
-                    line for line in lines if any(one.severity is Severity.CRITICAL for one in alarms_in(line))
-                ]
+                lines += [f"{reported.key}: {reported.value}" for reported in part.values]
             if part.level != DiagnosticStatus.ERROR:
                 self._errors.pop(part.name, None)
             elif self._errors.get(part.name) != (kind := kind_of(part.message)):
                 self._errors[part.name] = kind
                 if part.name.endswith(f": {STRANGERS}"):
                     self.strangers |= dict.fromkeys(part.message.split("; "))
-                self.alarms.append(f"{time_key(_raised(message, part))}: {part.name}: {part.message}")
                 if not part.name.startswith(SENSOR_PARTS):  # the controller's own alarms tell it, when it was
-                    self._news.append(self.alarms[-1])
+                    lines.append(f"{time_key(_raised(message, part))}: {part.name}: {part.message}")
+        self._news += sorted(lines, key=lambda line: time_of(line.partition(": ")[0]) or 0.0)
 
     def take_news(self) -> list[str]:
         """Return the alarms and losses of compensation that came since the last call."""
@@ -155,10 +150,6 @@ class Monitor:
 
 
 def _raised(message: DiagnosticArray, part: DiagnosticStatus) -> float:
-    """Return when what a `part` of a `message` reports was raised [s]: by its own values, or by alarms beside it."""
-    codes = {alarm.code for alarm in alarms_in(part.message)}
-    beside = [reported for other in message.status if other.name == ALARMS_PART for reported in other.values]
-    reported = [one for one in beside if codes & {alarm.code for alarm in alarms_in(one.value)}]
-    reported += [one for one in part.values if one.value == part.message]
-    times = [time_of(one.key) for one in reported]
+    """Return when what a `part` of a `message` reports was raised [s], by its own values where they tell it."""
+    times = [time_of(one.key) for one in part.values if one.value == part.message]
     return next((time for time in times if time is not None), seconds_of(message.header.stamp))

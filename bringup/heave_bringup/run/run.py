@@ -10,8 +10,10 @@ from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
+from cable_sim_node.line.step import advance
 from heave_bags.analyse.verdict import open_loop
 from heave_msgs.msg import TickStatus
+from heave_node.numerics.compiled import is_compiled
 from heave_node.parameters import ParameterError
 from heave_node.ros.master import STOP_RECORDING_TIME
 from heave_node.ros.transport.environment import prepare_environment
@@ -34,6 +36,8 @@ from heave_bringup.stored_scenario import stored_sections, stored_title
 RUNS = "runs"
 """Folder of all runs, unless the user names another."""
 
+STARTING = "starting the nodes"
+COMPILING = f"{STARTING}; compiling the plant, once after installation or an update: two to four minutes"
 LOOK_PERIOD = 0.1
 """Wall time between two looks at the nodes [s]."""
 END_NEWS_WAIT = 1.0
@@ -87,7 +91,6 @@ class Outcome:
     """How a run went."""
 
     status: TickStatus  # last status of the clock master
-    alarms: list[str]  # errors that the nodes reported, in order
     strangers: list[str]  # processes that published where only others may; none of them was obeyed
 
     @property
@@ -167,7 +170,7 @@ def run_scenario(
             look = _until_started(watchdog, was_interrupted, on_look)
             status = _watch(scenario, folder, launcher, monitor, progress, look)
             watchdog.will_say(f"the nodes are done, and ROS did not come back; {_where_to_look(folder)}")
-            return Outcome(status, monitor.alarms, list(monitor.strangers))
+            return Outcome(status, list(monitor.strangers))
         except CommandError as error:
             watchdog.will_say(str(error))
             raise
@@ -361,7 +364,8 @@ def _reason(status: TickStatus) -> str:
 def _show_progress(scenario: Scenario, monitor: Monitor, progress: ProgressLine) -> None:
     status, kpi = monitor.status, monitor.kpi
     if status is None:
-        progress.show("starting the nodes")
+        has_plant = MASTER not in scenario.run.external
+        progress.show(COMPILING if has_plant and not is_compiled(advance) else STARTING)
         return
     if status.state == TickStatus.WAITING:
         progress.show(f"waiting for {status.reason or 'the nodes to answer'}")

@@ -24,7 +24,7 @@ class Alarm:
     """An alarm and what has become of it."""
 
     key: str  # node and code, or part of /diagnostics where what it reports has no code
-    title: str  # code as words
+    title: str  # code, or part of /diagnostics
     severity: Severity  # priority
     text: str  # what is wrong, and what follows
     action: str = ""  # what to do; empty where that is not known
@@ -50,7 +50,7 @@ def alarms_of(trouble: Trouble) -> Iterator[Alarm]:
             splits = [split_action(one.text, row.action) for row in ROWS if row.code == one.code]
             otherwise = splits[0] if len(splits) == 1 else (one.text, "")
             text, action = next((split for split in splits if split[0] != one.text), otherwise)
-            yield Alarm(f"{node} {one.code}", one.title, one.severity, text, action, one.time)
+            yield Alarm(f"{node} {one.code}", one.code, one.severity, text, action, one.time)
     if not found:
         severity = Severity.HIGH if trouble.is_error else Severity.MEDIUM
         yield Alarm(trouble.part, trouble.part, severity, trouble.message)

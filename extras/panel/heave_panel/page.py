@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterable
 from functools import partial
 from typing import Any, NamedTuple
 
+from heave_bags.analyse.verdict import open_loop
 from heave_bringup.operate.situation import mode_words, run_words
 from heave_bringup.operate.tasks import EmergencyStop
 from heave_node.interface.alarm import Severity
@@ -302,7 +303,9 @@ class Page:
 
     def _show_bar(self, picture: Picture) -> None:
         situation, bar = picture.situation, self._bar
-        bar.run.text = f"{self._place}: {run_words(situation.run)}"
+        bar.run.text = "; ".join(
+            filter(None, (f"{self._place}: {run_words(situation.run)}", open_loop(situation.played)))
+        )
         bar.mode.text = mode_words(situation.controller) if situation.controller else "no word from the controller"
         mode = situation.controller.mode if situation.controller else ""
         style = {"compensating": "heave-good", "constant_tension": "heave-good", "emergency_stop": "heave-bad"}

@@ -84,7 +84,7 @@ def test_an_alarm_has_severity_time_text_and_action():
     alarms = AlarmList()
     alarms.note(10.0, {FROZEN.part: FROZEN})
     (alarm,) = alarms.alarms
-    assert (alarm.key, alarm.title, alarm.severity, alarm.since) == (KEY, "SENSOR LOST, MRU", Severity.HIGH, 10.0)
+    assert (alarm.key, alarm.title, alarm.severity, alarm.since) == (KEY, "SENSOR_LOST, MRU", Severity.HIGH, 10.0)
     assert alarm.action == "Restart the sensor and its driver"
     assert alarm.text == "readings do not change. Compensation fades out."
 
@@ -128,7 +128,7 @@ def test_what_two_parts_report_is_one_alarm_and_an_event_is_none():
     told = Trouble("winch_controller: alarms", message, is_error=False)
     alarms = AlarmList()
     alarms.note(10.0, {told.part: told, FROZEN.part: FROZEN})
-    assert [alarm.title for alarm in alarms.alarms] == ["SENSOR LOST, MRU", "CABLE SLACK"]
+    assert [alarm.title for alarm in alarms.alarms] == ["SENSOR_LOST, MRU", "CABLE_SLACK"]
     alarms.note(11.0, {FROZEN.part: FROZEN})
     assert [alarm.is_active for alarm in alarms.alarms] == [True, False]
 

@@ -78,11 +78,6 @@ class AlarmRow:
         text = f"{self.state}{self.consequence}{self.action}"
         return frozenset(name for _, name, _, _ in string.Formatter().parse(text) if name and name != LOOP)
 
-    @property
-    def title(self) -> str:
-        """The code as words."""
-        return self.code.replace("_", " ")
-
     def alarm(self, **values: Value) -> Alarm:
         """Return the alarm with its `values`; raises ValueError where one is missing or unknown."""
         if values.keys() != self.names:
@@ -144,7 +139,7 @@ class Alarm:
     @property
     def brief(self) -> str:
         """What is wrong alone, as the reason of a mode."""
-        return f"{self.row.title}: {self._state.format(**self.values)}"
+        return f"{self.code}: {self._state.format(**self.values)}"
 
     def __str__(self) -> str:
         """Return the line of the log, of diagnostics and of a bag, which `alarms_in` reads."""
@@ -214,11 +209,6 @@ class ReadAlarm(NamedTuple):
     severity: Severity
     text: str
     time: float = math.nan
-
-    @property
-    def title(self) -> str:
-        """The code as words."""
-        return self.code.replace("_", " ")
 
 
 _FIGURE = re.compile(r"(\{(\w+):(\+?)\.(\d)f\})")

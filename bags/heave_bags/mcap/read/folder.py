@@ -13,7 +13,7 @@ from pathlib import Path
 from heave_bags.errors import NoBagError
 from heave_bags.mcap.files import METADATA_NAME, ListedFile
 from heave_bags.mcap.loss import Loss
-from heave_bags.mcap.read.scan import why_not_read
+from heave_bags.mcap.read.scan import WANTED, why_not_read
 from heave_bags.mcap.summary import MAGIC
 
 ENDINGS = (".mcap", ".mcap.zstd", ".mcap.zst")
@@ -58,7 +58,7 @@ def find_files(path: Path, listed: Sequence[ListedFile]) -> BagFiles:
     if path.is_file():
         return BagFiles([path])
     if not path.is_dir():
-        raise NoBagError(f"{path}: no such bag")
+        raise NoBagError(f"{path}: no such bag: no file or folder has this name")
     by_name = {part.name: part for part in listed}
     found = BagFiles([])
     for file in _candidates(path, set(by_name)):
@@ -102,4 +102,4 @@ def _none(folder: Path, found: BagFiles) -> str:
     if packed:
         return f"{packed[0].name} is compressed or renamed; unpack it: unpacked files end with .mcap"
     kind = "storage other than MCAP" if list(folder.glob("*.db3")) else "no MCAP file"
-    return f"this folder holds {kind}; give the folder of a bag, or its .mcap file"
+    return f"this folder holds {kind}; {WANTED}"

@@ -149,7 +149,7 @@ class McapScan:
         with RecordFile(self.path) as file:
             begins = file.read(0, len(MAGIC))
             if not is_like_magic(begins):
-                raise NoBagError(f"{self.path}: {why_not_read(begins)}")
+                raise NoBagError(f"{self.path}: {why_not_read(begins)}; {WANTED}")
             if begins != MAGIC:
                 self._lose(0, "the bytes that every MCAP file begins with are damaged", 0)
             self._summary = read_summary(file)
@@ -405,12 +405,18 @@ def is_like_magic(begins: bytes) -> bool:
     return len(begins) == len(MAGIC) and sum(a != b for a, b in zip(begins, MAGIC, strict=True)) <= 1
 
 
+WANTED = "give the folder of a bag, or its .mcap file"
+"""What a command on a bag takes."""
+
+
 def why_not_read(begins: bytes) -> str:
     """Return why a file that `begins` so is not read as MCAP; "" if it is."""
     if is_like_magic(begins):
         return ""
-    is_packed = begins.startswith(ZSTD_MAGIC)
-    return "compressed as a whole; unpack it: zstd -d FILE" if is_packed else "not an MCAP file"
+    if begins.startswith(ZSTD_MAGIC):
+        return "compressed as a whole; unpack it: zstd -d FILE"
+    is_text = bool(begins) and all(byte >= 32 or chr(byte).isspace() for byte in begins)
+    return "a text file, not an MCAP file" if is_text else "not an MCAP file"
 
 
 def attachment_problem(attachment: Attachment, body: bytes, before: Sequence[Attachment]) -> str:

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from heave_node.interface.fault_kinds import FAULTS, faults_of
+from heave_node.parameters import ParameterError
 
 from heave_bringup.commands.arguments import add_namespace, add_network
 from heave_bringup.errors import CommandError
@@ -30,6 +31,8 @@ MODES = ("standby", "compensating", "constant_tension", "manual", "stopped", "em
 """Modes that can be requested."""
 MOST = 1e6
 """Largest magnitude of a number that an operator gives; what is allowed is the controller's to say."""
+OF_ITS_OWN_KIND = ("mru", "encoder", "winch")
+"""Devices with faults of their own; all others have those of a sensor."""
 LISTENING_TIME = 1.5
 """Wall time in which controller and winch of a run that is not paused are heard [s]."""
 
@@ -152,8 +155,7 @@ def _add_fault(parser: argparse.ArgumentParser) -> None:
 
 def _kinds_of_faults() -> str:
     """Return the kinds of fault that each device can have, and what each kind is."""
-    on_unit = "any other"
-    devices = (("mru", "mru"), ("encoder", "encoder"), ("winch", "winch"), (on_unit, "sensor"))
+    devices = (*((name, name) for name in OF_ITS_OWN_KIND), ("any other", "sensor"))
     of_device = [f"  {name:10} {', '.join(_kinds(device))}" for name, device in devices]
     kinds = [
         f"  {kind:15} {fault.words}" + (f"; magnitude: {fault.magnitude}" if fault.magnitude else "")
@@ -161,6 +163,20 @@ def _kinds_of_faults() -> str:
         if kind != "clear"
     ]
     return "\n".join(["kinds of fault, by device:", *of_device, "", "what each does:", *kinds])
+
+
+def _check_fault(options: argparse.Namespace) -> None:
+    """Refuse, before a run is looked for, a fault that its device cannot have; raises ParameterError."""
+    if options.verb != "fault" or options.action != "inject":
+        return
+    from heave_node.interface.faults import FaultParameters, FaultSchedule
+
+    device = options.device if options.device in OF_ITS_OWN_KIND else "sensor"
+    try:
+        schedule = FaultSchedule(FaultParameters(), name=options.device, device=device)
+        schedule.inject(options.kind, start=0.0, duration=options.duration, magnitude=options.magnitude)
+    except ValueError as error:
+        raise ParameterError(str(error)) from error
 
 
 def _kinds(device: str) -> list[str]:
@@ -192,6 +208,7 @@ def execute(options: argparse.Namespace) -> None:
     from heave_bringup.network import set_up_transport
     from heave_bringup.operate.link import RunLink
 
+    _check_fault(options)
     set_up_transport(network=options.network)
     link = RunLink(options.namespace or "")
     try:

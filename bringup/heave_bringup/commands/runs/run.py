@@ -163,10 +163,9 @@ def execute(options: argparse.Namespace) -> None:
         folder.bag,
         report,
         required=required,
-        alarms=len(outcome.alarms),
         baseline=options.baseline,
     )
-    _write(options, scenario, folder, outcome.alarms, result)
+    _write(options, scenario, folder, result)
     unsound = [*outcome.strangers, *outcome.lost]
     if unsound:
         raise CommandError("; ".join(unsound))
@@ -211,10 +210,8 @@ def _announce(
         sys.stderr.write(f"{words.text}\n")
 
 
-def _write(
-    options: argparse.Namespace, scenario: Scenario, folder: RunFolder, alarms: Sequence[str], result: Evaluation
-) -> None:
-    """Write what a run into a `folder` gave: its `alarms` and the `result` of its evaluation, for people or as JSON."""
+def _write(options: argparse.Namespace, scenario: Scenario, folder: RunFolder, result: Evaluation) -> None:
+    """Write what a run into a `folder` gave: the `result` of its evaluation, for people or as JSON."""
     from heave_bringup.output import warn, write_result
 
     together = "all in one process" if options.composed else "a process each"
@@ -225,7 +222,7 @@ def _write(
         *([] if options.no_report else [f"report    {folder.report}"]),
     ]
     reported = [
-        *_reported("errors reported by the nodes:", alarms),
+        *_reported("errors reported by the nodes:", result.errors),
         *_reported("compensation was lost:", result.losses),
         *_reported("warnings:", result.warnings),
     ]
@@ -234,7 +231,7 @@ def _write(
     text = "\n".join([table, "", *reported, *places, "", *result.verdict.lines()])
     if options.quiet:
         warn(result.warnings)
-    about = {"alarms": alarms, "composed": options.composed, "folder": str(folder.path)}
+    about = {"composed": options.composed, "folder": str(folder.path)}
     write_result(options, [] if options.quiet else text, {**result.figures, **about})
 
 
