@@ -10,9 +10,8 @@ from heave_bringup.closed_loop import ClosedLoop, loop_parameters
 from heave_bringup.run.loop_signals import run_signals
 from heave_bringup.scenarios import Scenario, load_scenario
 from heave_bringup.settings import make_setting
-from heave_studies.batch.fit import not_covered
 from heave_studies.batch.kernel import heights_seen
-from heave_studies.batch.law import noises_seen, stationary_gains
+from heave_studies.batch.law import noises_seen, not_covered, stationary_gains
 from heave_studies.batch.lifts import SEA_TRACKER, LiftBatch, NotCoveredError
 from heave_studies.study.cases import Cases, screening_words
 from heave_studies.study.engine import run_study

@@ -18,8 +18,7 @@ from heave_bags.report.report import place_figure, unbroken
 from heave_bringup.output import Part, make_table
 
 from heave_studies.accept.measured import RESIDUALS
-from heave_studies.accept.results import NOT_DONE
-from heave_studies.accept.study import DETAIL, Acceptance
+from heave_studies.accept.study import DETAIL, NOT_DONE, Acceptance
 from heave_studies.answers.answer import Found
 from heave_studies.study.workers import FAILURE
 

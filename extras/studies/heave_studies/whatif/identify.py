@@ -283,7 +283,7 @@ class Search:
         self._whiten = np.linalg.inv(np.linalg.cholesky(evidence.covariance(values_at(about), noise)))
 
     def left(self, x: Array) -> Array:
-        """Return what the twin at a point leaves of the readings and the prior, whitened: half its square is in nats.
+        """Return what the twin at a point `x` leaves of readings and prior, whitened: half its square is in nats.
 
         Complex values of variance 1 count as twice as many real ones, by how many of them are independent.
         """
@@ -292,16 +292,16 @@ class Search:
                               + [x / self._sigma])  # fmt: skip
 
     def loss(self, x: Array) -> float:
-        """Return the loss at a point [nats]."""
+        """Return the loss at a point `x` [nats]."""
         return 0.5 * float(np.sum(self.left(x) ** 2))
 
     def slopes(self, x: Array) -> Array:
-        """Return how `left` changes with each coordinate of a point, by finite steps."""
+        """Return how `left` changes with each coordinate of a point `x`, by finite steps."""
         here, steps = self.left(x), np.diag(list(STEPS.values()))
         return np.column_stack([(self.left(x + step) - here) / step.sum() for step in steps])
 
     def followed(self, x: Array, rounds: int) -> OptimizeResult:
-        """Return the least point near a point, after so many `rounds` at most."""
+        """Return the least point near a point `x`, after so many `rounds` at most."""
         return least_squares(self.left, x, self.slopes, x_scale=self._sigma, ftol=SETTLED, max_nfev=rounds)
 
 
