@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import html
 import math
+from calendar import month_abbr
 from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import replace
 from types import MappingProxyType
@@ -46,7 +47,6 @@ from heave_studies.study.workers import FAILURE
 
 PERIOD_AXIS = {"title": {"text": "peak period Tp [s]"}}
 HEIGHT_AXIS = {"title": {"text": "significant wave height Hs [m]"}, "rangemode": "tozero"}
-MONTHS = ("Jan", "Feb", "Mar", "Apr", "May", "Jun", "Jul", "Aug", "Sep", "Oct", "Nov", "Dec")
 
 
 def limit_figure(situation: Situation, record: SeaRecord | None) -> Figure:
@@ -148,7 +148,7 @@ def month_figure(situation: Situation) -> Figure | None:
         {
             "type": "bar",
             "name": name,
-            "x": [MONTHS[int(month) - 1] for month in exposure.by_month.index],
+            "x": [month_abbr[int(month)] for month in exposure.by_month.index],
             "y": (100.0 * exposure.by_month).round(2).tolist(),
             "marker": {"color": colour},
         }
