@@ -26,10 +26,9 @@ from heave_bags.analyse.run_record import TRUE, RunRecord
 from heave_bags.analyse.verdict import FAILED, PASSED, Judged, required_words
 from heave_bags.mcap.read.folder import bag_of
 from heave_bags.report.figure import LIMIT, UNIT, Figure
-from heave_bags.report.parts import table
-from heave_bags.report.report import place_figure, unbroken
+from heave_bags.report.report import unbroken
 from heave_bags.signals import RunSignals, Signal
-from heave_bringup.output import make_table, sheet_table, warn
+from heave_bringup.output import warn
 from heave_bringup.run.records import read_records
 from heave_bringup.scenarios import Scenario
 from heave_node.criteria import Criterion
@@ -42,7 +41,7 @@ from scipy.ndimage import uniform_filter1d
 from scipy.signal import savgol_filter
 
 from heave_studies.answers import limits
-from heave_studies.answers.answer import Ask, Found, as_path, criteria_of, first_scenario, number_in
+from heave_studies.answers.answer import Ask, Found, Section, as_path, criteria_of, first_scenario, number_in
 from heave_studies.operability.limits import HEIGHT, PERIOD, UNCOMPENSATED
 from heave_studies.operability.seas import HS, TP, SeaRecord, limit_at, read_record, study_situations
 from heave_studies.study.phases import Phase
@@ -381,8 +380,7 @@ def _built(study: Study, ask: Ask) -> list[AsBuilt]:
 def answer(study: Study, frame: pandas.DataFrame, ask: Ask, /) -> Found:
     """See `heave_studies.answers.answer.Answer`."""
     found = limits.answer(study, frame, _limits_ask(ask))
-    parts, body, drawn = list(found.parts), list(found.body), list(found.figures)
-    data, failures = dict(found.data), []
+    sections, data, failures = list(found.sections), dict(found.data), []
     forecast, built = _forecast(ask), _built(study, ask)
     if forecast is not None:
         situations = {one.name: one for one in study_situations(frame, criteria_of(study), None)}
@@ -399,19 +397,18 @@ def answer(study: Study, frame: pandas.DataFrame, ask: Ask, /) -> Found:
         verdict = f"NO-GO: no window for {', '.join(missing)}" if missing else f"GO after {waits:g} h of waiting"
         words = f"forecast {forecast.name}, {100.0 * alpha:.0f} % of the limits: {verdict}"
         failures += [f"{name}: no window in the forecast" for name in missing]
-        parts += [sheet_table(WINDOWS, due), words]
-        body += [f"<h2>Forecast</h2><p>{words}</p>", table(WINDOWS.headings, WINDOWS.cells(due), texts=2)]
-        body.append(place_figure(_forecast_figure(forecast, np.min(list(allowed.values()), axis=0), due), drawn))
+        drawn = [_forecast_figure(forecast, np.min(list(allowed.values()), axis=0), due)]
+        cells = WINDOWS.cells(due)
+        sections.append(Section("Forecast", WINDOWS.headings, cells, texts=2, words=[words], figures=drawn))
         data["windows"] = WINDOWS.records(due)
     if built:
         rows = [(one, judged) for one in built for judged in one.judged]
         states = [f"as built, {one.phase.name}: {one.state}" for one in built]
         failures += [words for one in built for words in one.failures]
-        parts += [make_table(BUILT.headings, BUILT.cells(rows), texts=BUILT.headings), "\n".join(states)]
         cells = [[unbroken(cell) for cell in row] for row in BUILT.cells(rows)]
-        body += ["<h2>As built</h2>", *(f"<p>{words}</p>" for words in states), table(BUILT.headings, cells, texts=3)]
+        sections.append(Section("As built", BUILT.headings, cells, texts=3, words=states))
         data["as_built"] = [one.to_json() for one in built]
-    return replace(found, parts=parts, body=body, figures=drawn, data=data, failures=failures, footer=FOOTER)
+    return replace(found, sections=sections, data=data, failures=failures, footer=FOOTER)
 
 
 def _forecast_figure(forecast: SeaRecord, allowed: Array, due: Sequence[Window]) -> Figure:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import html
 import math
 from calendar import month_abbr
 from collections.abc import Hashable, Mapping, Sequence
@@ -13,14 +12,23 @@ from typing import Any
 import numpy as np
 import pandas
 from heave_bags.report.figure import UNCOMPENSATED, UNIT, Figure
-from heave_bags.report.parts import notice, table
-from heave_bags.report.report import place_figure
-from heave_bringup.output import Part, make_table
+from heave_bags.report.parts import table
+from heave_bringup.output import Part
 from heave_bringup.run.criteria import BASELINE_LAW, LAW
 from heave_node.parameters import ParameterError
 from heave_node.sheet import Column, Sheet
 
-from heave_studies.answers.answer import Ask, Found, as_path, check_seas, criteria_of, criteria_parts, number_in
+from heave_studies.answers.answer import (
+    Ask,
+    Found,
+    Page,
+    Section,
+    as_path,
+    check_seas,
+    criteria_of,
+    criteria_section,
+    number_in,
+)
 from heave_studies.operability.limits import (
     HEIGHT,
     Bisection,
@@ -228,18 +236,17 @@ def answer(study: Study, frame: pandas.DataFrame, ask: Ask, /) -> Found:
     """See `heave_studies.answers.answer.Answer`."""
     place = _place(ask)
     criteria = criteria_of(study)
-    listed, criteria_html = criteria_parts(criteria)
     found = study_situations(frame, criteria, place)
     few = too_few_seeds([one.limit for one in found])
-    drawn: list[Figure] = []
-    body = [*_notices(found, place, few), _overview(found, place), criteria_html]
+    sections: list[Section | Page | Part] = [Section(notices=[*([few] if few else []), *_notices(found, place)])]
     for one in found:
-        body += _section(one, place, drawn)
-    remarks = [] if place is None or place.record.has_order else [no_windows(place.record)]
-    remarks += [few] if few else []
-    remarks += [study.refinement.words(frame)] if study.refinement is not None else []
+        figures = [limit_figure(one, place.record if place else None), month_figure(one)]
+        shown = [figure for figure in figures if figure is not None]
+        sections += [Section(one.name or "Limits", *limit_rows(one), texts=2, figures=shown), _months(one.exposure)]
+    sections += [*_overview(found, place), criteria_section(criteria)]
+    sections += [study.refinement.words(frame)] if study.refinement is not None else []
     if LAW not in frame:
-        remarks.append(f"To add the limits under law {BASELINE_LAW}: --vary {LAW}=mpc,{BASELINE_LAW}")
+        sections.append(f"To add the limits under law {BASELINE_LAW}: --vary {LAW}=mpc,{BASELINE_LAW}")
     data = {
         "criteria": {name: {one.kpi: one.text for one in of} for name, of in criteria.items()},
         "situations": [
@@ -254,24 +261,7 @@ def answer(study: Study, frame: pandas.DataFrame, ask: Ask, /) -> Found:
         ],
     }
     judged = int((frame[FAILURE] == "").sum())
-    return Found([*_tables(found, place), listed, *remarks], data, body, drawn, FOOTER, judged=judged)
-
-
-def _tables(found: Sequence[Situation], place: Place | None) -> list[Part]:
-    parts: list[Part] = []
-    for one in found:
-        parts += [*([one.name] if one.name else []), make_table(*limit_rows(one), texts=[ENDED])]
-        if place is not None and one.exposure is not None and one.locked_exposure is not None:
-            parts.append(
-                f"workable seas of {place.record.name}: {100 * one.exposure.share:.1f} % compensated, "
-                f"{100 * one.locked_exposure.share:.1f} % with the winch locked"
-            )
-            both = (waits(one.exposure, place), waits(one.locked_exposure, place))
-            parts += [
-                f"wait for {hours:g} h, P50 / P90: {compensated} h compensated, {alone} h with the winch locked"
-                for hours, compensated, alone in zip(place.windows, *both, strict=False)
-            ]
-    return parts
+    return Found(sections, data, FOOTER, judged=judged)
 
 
 def limit_rows(situation: Situation) -> tuple[list[str], list[list[str]]]:
@@ -307,8 +297,8 @@ def no_windows(record: SeaRecord) -> str:
     )
 
 
-def _notices(found: Sequence[Situation], place: Place | None, few: str) -> list[str]:
-    words = [few] if few else []
+def _notices(found: Sequence[Situation], place: Place | None) -> list[str]:
+    words = []
     if place is not None:
         name = place.record.name
         words += [f"{name}: {warning}" for warning in place.record.warnings]
@@ -323,13 +313,13 @@ def _notices(found: Sequence[Situation], place: Place | None, few: str) -> list[
                 f"{100 * outside:.1f} % of the seas have a period outside those of the study; the limit of the nearest "
                 "one is held there."
             )
-    return [notice(one) for one in words]
+    return words
 
 
-def _overview(found: Sequence[Situation], place: Place | None) -> str:
+def _overview(found: Sequence[Situation], place: Place | None) -> list[Section]:
     """Return the answer in one table: how much of the place's seas are workable, and how long one waits."""
     if place is None:
-        return ""
+        return []
     rows = []
     for situation in found:
         for name, exposure in (("compensated", situation.exposure), ("winch locked", situation.locked_exposure)):
@@ -339,28 +329,14 @@ def _overview(found: Sequence[Situation], place: Place | None) -> str:
                 rows.append([situation.name or "all", name, *shares, *waits(exposure, place)])
     head = ["situation", "winch", "workable seas [%]", "at the lower confidence [%]"]
     head += [f"wait for {hours:g} h, P50 / P90 [h]" for hours in place.windows if place.record.has_order]
-    windows = (
-        f"windows in seas up to {100 * place.alpha:g} % of a limit"
-        if place.record.has_order
-        else html.escape(no_windows(place.record))
-    )
-    caption = f"Seas of {html.escape(place.record.name)}; {windows}."
-    return f'<h2>Answer</h2><p class="caption">{caption}</p>{table(head, rows, texts=2)}'
+    ordered = f"windows in seas up to {100 * place.alpha:g} % of a limit"
+    words = ordered if place.record.has_order else no_windows(place.record)
+    return [Section(f"Workable seas of {place.record.name}", head, rows, texts=2, words=[words])]
 
 
-def _section(situation: Situation, place: Place | None, drawn: list[Figure]) -> list[str]:
-    figures = [limit_figure(situation, place.record if place else None), month_figure(situation)]
-    return [
-        f"<h2>{html.escape(situation.name or 'Limits')}</h2>",
-        table(*limit_rows(situation), texts=2),
-        *(place_figure(figure, drawn) for figure in figures if figure is not None),
-        _months(situation.exposure),
-    ]
-
-
-def _months(exposure: Exposure | None) -> str:
-    """Return the waiting times of an `exposure` by month, folded up; "" without an order of the seas."""
+def _months(exposure: Exposure | None) -> Page:
+    """Return the waiting times of an `exposure` by month, folded up; nothing without an order of the seas."""
     if exposure is None or exposure.windows.empty:
-        return ""
+        return Page("")
     cells = table(MONTHS.headings, MONTHS.cells(exposure.windows.itertuples()), texts=2)
-    return f"<details><summary>Waiting times by month, compensated</summary>{cells}</details>"
+    return Page(f"<details><summary>Waiting times by month, compensated</summary>{cells}</details>")

@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
-import html
 import math
 from collections.abc import Mapping
 from types import MappingProxyType
 
 import numpy as np
 import pandas
-from heave_bags.report.parts import table
-from heave_bringup.output import Part, make_table
 from heave_node.parameters import ParameterError
 
-from heave_studies.answers.answer import Ask, Found, as_path
+from heave_studies.answers.answer import Ask, Found, Section, as_path
 from heave_studies.promise.study import Promise
 from heave_studies.study.case_file import CASE, read_cases
 from heave_studies.study.summary import wilson
@@ -187,26 +184,27 @@ def answer(kind: Promise, ask: Ask, frame: pandas.DataFrame) -> Found:
     breaches = broken(kind.kind, found["all"])
     worst = whole.dropna(subset="worst").sort_values("worst", ascending=False).head(SHOWN)
     rows = [[str(row[CASE]), f"{row['worst']:.3f}", row["words"]] for row in worst.to_dict("records")]
-    tables = [(f"Seed {kind.seed}", *figure_rows(found)), ("Worst draws", ["case", "worst minute", "draw"], rows)]
-    waiting = whole[(whole["worst"].isna()) & (whole[FAILURE] == "")].to_dict("records")
-    tables += [("Never judged", ["case", "why", "draw"], [[str(r[CASE]), r["reason"], r["words"]] for r in waiting])]
-    failed = whole[whole[FAILURE] != ""].to_dict("records")
-    tables += [("Not run", ["case", "why", "draw"], [[str(r[CASE]), r[FAILURE], r["words"]] for r in failed])]
+    tables = [
+        ("Promised", ["worst minute, at most", "share of the draws [%]"], _promised(kind)),
+        (f"Seed {kind.seed}", *figure_rows(found)),
+        ("Worst draws", ["case", "worst minute", "draw"], rows),
+    ]
+    waiting, failed = whole[(whole["worst"].isna()) & (whole[FAILURE] == "")], whole[whole[FAILURE] != ""]
+    for title, why, part in (("Never judged", "reason", waiting), ("Not run", FAILURE, failed)):
+        cells = [[str(row[CASE]), row[why], row["words"]] for row in part.to_dict("records")]
+        tables.append((title, ["case", "why", "draw"], cells))
     if kind.without:
         tables.append(("What each part saves", *ablation_rows(frame)))
     if (path := as_path(ask["against"])) is not None:
         tables.append((f"Against {path}", ["draw", "before", "now"], _against(path, whole)))
     verdict = f"verdict: {'FAILED' if breaches else 'passed'}: {'; '.join(breaches) or 'the promise is kept'}"
-    shown = [one for one in tables if one[2]]
-    body = [f"<h2>Promised</h2>{table(['worst minute, at most', 'share of the draws [%]'], _promised(kind), texts=0)}"]
-    body += [
-        f"<h2>{html.escape(title)}</h2>{table(head, cells, texts=1, last_is_text=True)}" for title, head, cells in shown
+    sections = [
+        Section(title, head, cells, texts=1 + ("why" in head), last_is_text="draw" in head[1:])
+        for title, head, cells in tables
+        if cells
     ]
-    parts: list[Part] = []
-    for title, head, cells in shown:
-        parts += [title, make_table(head, cells, texts=("draw", "why"))]
     data = {"kind": kind.kind, "seed": kind.seed, "figures": found, "broken": breaches}
-    return Found([*parts, verdict], data, body, (), FOOTER, breaches, int(found["all"]["judged"]))
+    return Found([*sections, verdict], data, FOOTER, breaches, int(found["all"]["judged"]))
 
 
 def _promised(kind: Promise) -> list[list[str]]:
