@@ -10,7 +10,7 @@ from heave_bringup.closed_loop import ClosedLoop, LoopParameters, LoopRecord, lo
 from heave_bringup.scenarios import load_scenario
 from heave_node.interface.alarm import Alarm, alarms_in
 from heave_node.kpi import window_ratios
-from heave_studies.promise.findings import blamed_by
+from heave_studies.promise.run import blamed_by
 
 FAULTS = {
     "mru": "wave_vessel.mru",

@@ -6,7 +6,7 @@ from dataclasses import replace
 import pytest
 from cable_sim_node.winch.component import make_drive
 from heave_node.interface.alarm import alarms_in
-from heave_studies.promise.findings import blamed_by
+from heave_studies.promise.run import blamed_by
 
 from tests.loops import loop_of
 

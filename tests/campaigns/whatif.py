@@ -23,8 +23,9 @@ import pandas
 from heave_bringup.closed_loop import ClosedLoop, LoopRecord, loop_parameters
 from heave_bringup.errors import CommandError
 from heave_bringup.scenarios import Scenario, load_scenario
-from heave_studies.whatif.answer import Answer, Known, answers, drawn, learn, off_sigma, other_plants, recorded
+from heave_studies.whatif.answer import Answer, Known, answers, drawn, learn, off_sigma, recorded
 from heave_studies.whatif.fitness import check_known, check_record, lacks, warnings
+from heave_studies.whatif.question import DRAWS
 from heave_studies.whatif.record import SensorRecord
 from heave_studies.whatif.twin import Asked
 from winch_controller_node.interface.readings import Measurements, Outputs
@@ -169,7 +170,7 @@ def run_draw(draw: Draw, draws: int) -> tuple[list[Pair], str]:
     except CommandError as error:
         return [], f"{error} [refused]"
     others = [drawn(known, draw.seed, number) for number in range(draws)]
-    found = answers(known, [_asked(nominal, law) for law in draw.asked], others, other_plants(known, draw.seed))
+    found = answers(known, [_asked(nominal, law) for law in draw.asked], others)
     sigmas = recorded(known).values["unit_sigma_m"], truth.unit_sigma(TRANSIENT)
     pairs = [_pair(draw, known, one, truth.uncompensated_sigma(TRANSIENT), sigmas) for one in found]
     values = ", ".join(f"{name} {value:.3f}" for name, value in known.fit.values.items())
@@ -237,7 +238,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--draws", type=int, default=100, help="worlds, of two pairs each (100)")
     parser.add_argument("--draw", type=int, action="append", help="this one, in place of all; again")
     parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--plants", type=int, default=4, help="draws of the plant for the bands (4)")
+    parser.add_argument("--plants", type=int, default=DRAWS, help=f"draws of the plant for the bands ({DRAWS})")
     options = parser.parse_args(arguments)
     sys.stdout.write(commit_line() + "\n")
     pairs: list[Pair] = []

@@ -10,9 +10,8 @@ from heave_bringup.closed_loop import ClosedLoop, loop_parameters
 from heave_bringup.run.loop_signals import run_signals
 from heave_bringup.scenarios import Scenario, load_scenario
 from heave_bringup.settings import make_setting
-from heave_studies.batch.fit import not_covered
 from heave_studies.batch.kernel import heights_seen
-from heave_studies.batch.law import noises_seen, stationary_gains
+from heave_studies.batch.law import noises_seen, not_covered, stationary_gains
 from heave_studies.batch.lifts import SEA_TRACKER, LiftBatch, NotCoveredError
 from heave_studies.study.cases import Cases, screening_words
 from heave_studies.study.engine import run_study
@@ -142,7 +141,7 @@ def test_a_study_screens_what_it_can_and_runs_the_rest_in_full(tmp_path: Path) -
         return Study(
             path=tmp_path / "two.yaml",
             scenario="unit_1500",
-            duration=140.0,
+            duration=240.0,  # of 140 s the 20 that count hold 3 % of the start, which comes later in the full loop
             seeds=(1, 2),
             vary=({"winch_controller.law": ("mpc", "industrial")},),
             has_adviser=False,
@@ -154,8 +153,8 @@ def test_a_study_screens_what_it_can_and_runs_the_rest_in_full(tmp_path: Path) -
     assert frame[SCREENED].tolist() == [True, True, False, False]
     assert frame[FLAG].tolist() == ["", "", "law industrial", "law industrial"]
     assert not full[SCREENED].any()
-    sigma = "unit_sigma_m"
-    np.testing.assert_allclose(frame[sigma][:2], full[sigma][:2], rtol=0.05)
-    assert frame[sigma][2:].tolist() == full[sigma][2:].tolist()
+    squares, of_full = frame["unit_sigma_m"] ** 2, full["unit_sigma_m"] ** 2
+    assert np.sqrt(squares[:2].sum() / of_full[:2].sum()) == pytest.approx(1.0, abs=0.02), "as the page promises"
+    assert squares[2:].tolist() == of_full[2:].tolist()
     assert screening_words(frame).startswith("2 of 4 cases were screened")
     assert screening_words(full) == ""

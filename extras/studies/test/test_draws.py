@@ -14,13 +14,12 @@ from heave_bringup.closed_loop import COLUMNS, LoopRecord
 from heave_bringup.scenarios import load_scenario
 from heave_core.layout import STRUCTURES
 from heave_core.library import dtype_of
+from heave_studies.answers.promise import ablation_rows, broken, changes, figures_of
 from heave_studies.promise import cases, run, study
-from heave_studies.promise.ablation import ALL, CHECKS, LEARNING, REFLEXES, switched_off
 from heave_studies.promise.cases import KINDS, SAFETY, SCENARIOS, STRAINS, Case, draw
 from heave_studies.promise.deviation import Chance, nominal
-from heave_studies.promise.figures import ablation_rows, broken, changes, figures_of
-from heave_studies.promise.findings import findings_of, warnings_of
-from heave_studies.promise.run import Outcome, counted, judged, run_case
+from heave_studies.promise.run import Outcome, counted, findings_of, judged, run_case, warnings_of
+from heave_studies.promise.study import ALL, CHECKS, LEARNING, REFLEXES, switched_off
 from heave_studies.promise.table import DEVIATIONS, OPERATIONS, highest, sea_of
 from winch_controller_node.core.component import WinchController
 

@@ -13,8 +13,7 @@ from heave_bags.signals import RunSignals, Signal
 from heave_bringup.cli import main
 from heave_node.parameters import ParameterError
 from heave_studies.answers.answer import criteria_of, first_scenario
-from heave_studies.lift.as_built import IN_PART, NOT_REACHED, AsBuilt, as_built
-from heave_studies.lift.forecast import Window, read_forecast, warnings, windows
+from heave_studies.answers.lift import IN_PART, NOT_REACHED, AsBuilt, Window, as_built, read_forecast, warnings, windows
 from heave_studies.operability.limits import HEIGHT, PERIOD, Bisection, limit_curve
 from heave_studies.operability.seas import SeaRecord, at_equal_steps
 from heave_studies.study import cases as engine

@@ -14,7 +14,7 @@ from heave_bags.analyse import kpi_set
 from heave_bringup.cli import main
 from heave_node.criteria import Criterion
 from heave_studies.answers.answer import criteria_of
-from heave_studies.operability.figures import limit_figure
+from heave_studies.answers.limits import limit_figure
 from heave_studies.operability.limits import (
     FAILED_LIMIT,
     HEIGHT,

@@ -16,8 +16,9 @@ from heave_bringup.errors import CommandError
 from heave_bringup.scenarios import load_scenario
 from heave_msgs.msg import WinchState
 from heave_node.interface.sensors import WireReading
+from heave_studies.study.workers import workers
 from heave_studies.whatif import fitness
-from heave_studies.whatif.answer import answers, learn, other_plants
+from heave_studies.whatif.answer import answers, learn
 from heave_studies.whatif.record import (
     SELECTION,
     Gate,
@@ -29,7 +30,6 @@ from heave_studies.whatif.record import (
     write_text,
 )
 from heave_studies.whatif.twin import Asked, observed_again
-from heave_studies.whatif.work import Work, work_in
 from rclpy.serialization import deserialize_message, serialize_message
 from winch_controller_node.core.component import WinchController
 from winch_controller_node.interface.readings import Measurements
@@ -272,23 +272,16 @@ def test_an_answer_is_near_to_what_then_was():
 
 
 @pytest.mark.long
-def test_work_that_is_done_in_other_processes_answers_alike(monkeypatch):
+def test_loops_that_are_closed_in_other_processes_answer_alike(monkeypatch):
     monkeypatch.setattr(campaign, "DURATION", 70.0)
     scenario = scenario_of(make_draw(0, 1), "off")
     _, record = Recording(scenario).record()
     nominal = scenario.parameters["winch_controller"]
     known = learn(record, nominal, start=40.0)
     asked = [Asked(law, replace(nominal, law=law)) for law in ("lqg", "off")]
-    plants, shown = other_plants(known, 1)[:3], []
-    found = []
-    for count in (1, 2):
-        pool = work_in(count) if count > 1 else contextlib.nullcontext(Work(None, lambda *one: shown.append(one)))
-        with pool as work:
-            fit = learn(record, nominal, start=40.0, work=work).fit
-            assert fit.values == known.fit.values
-            found.append(answers(known, asked, [known], plants, work=work))
-    here, there = found
-    assert shown[-1][0] == "motions of each law on other plants"
+    here = answers(known, asked, [known])
+    with workers(2) as run:
+        there = answers(known, asked, [known], run=run)
     for one, other in zip(here, there, strict=True):
         assert one.figures.values == other.figures.values
         assert one.figures.bands == other.figures.bands

@@ -17,12 +17,12 @@ from heave_studies.whatif.record import SensorRecord, bridged
 from heave_studies.whatif.spectra import (
     HighPass,
     Speeds,
+    TipSource,
+    Transform,
     disturbance,
     gains_over_top,
     noise_power,
     smoothed_tip,
-    tapered_transform,
-    tip_source,
 )
 from heave_studies.whatif.twin import PlantFactors, past_winch, scaled_line, speeds_shown, winch_under
 from winch_controller_node.beliefs.beliefs import AS_READ, Belief, Beliefs, Correction
@@ -108,7 +108,7 @@ def test_a_transform_has_the_power_of_white_noise_whatever_its_times():
         0.09 * TICK, rel=0.25
     )
     omegas = np.linspace(0.5, 4.0, 23)
-    found = tapered_transform(times, values, omegas, 0.0, 400.0)
+    found = Transform(times, omegas, 0.0, 400.0)(values)
     # by its definition, up to the spacing that it is scaled by
     taper = np.sin(math.pi * times / 400.0) ** 2
     mean = taper @ values / taper.sum()
@@ -157,7 +157,8 @@ def test_a_boom_tip_takes_scale_and_delay_of_its_mru_back():
     )
     count = len(TIME)
     read = SensorRecord(TICK, 1, given, (None,) * count, np.full(count, math.nan), ("",) * count)
-    tip = tip_source(read, AS_READ, HighPass()).under(scale=1.1, delay=0.2)
+    plain = smoothed_tip(read, AS_READ, HighPass())
+    tip = TipSource(TIME, plain, HighPass()).under(scale=1.1, delay=0.2)
     assert np.std((tip.heave - MOTION)[800:-800]) < 0.25 * NOISE
 
 

@@ -10,7 +10,7 @@ import numpy as np
 from heave_node.interface.alarm import Severity
 from heave_node.kpi import WORSE_FLOOR
 from heave_node.numerics.arrays import Array
-from heave_studies.promise.findings import IDENTIFIED, NO_BLAME, PARTS, blamed_by
+from heave_studies.promise.run import IDENTIFIED, NO_BLAME, PARTS, blamed_by
 
 from tests.campaigns.fault_matrix.moments import Asked
 

@@ -15,8 +15,7 @@ import numpy as np
 from heave_bringup.closed_loop import LoopRecord
 from heave_node.interface.alarm import Alarm
 from heave_studies.promise.deviation import Chance
-from heave_studies.promise.findings import DRUM, ENCODER
-from heave_studies.promise.run import heave_of
+from heave_studies.promise.run import DRUM, ENCODER, heave_of
 
 from tests.campaigns.fault_matrix.cases import Cell
 from tests.campaigns.fault_matrix.faults import ALWAYS, FASTER, MOVING, RESTING

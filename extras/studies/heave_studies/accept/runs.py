@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import math
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
 from heave_bags.analyse import events
 from heave_bags.analyse.read_run import read_run
 from heave_bags.analyse.run_record import RunRecord
+from heave_bags.analyse.time_base import LONGEST_GAP
 from heave_bags.analyse.verdict import judge
 from heave_bags.mcap.read.folder import bag_of
 from heave_bags.mcap.reader import TIME, Bag
@@ -27,6 +28,7 @@ from heave_devices.records.sample_checks import Findings
 from heave_devices.records.sea_import import record_channels
 from heave_devices.records.sea_mapping import read_mapping
 from heave_devices.records.ship_log import is_text
+from heave_devices.records.stretches import DEFAULT_BRIDGE
 from heave_msgs.msg import TickStatus
 from heave_node.interface import topics
 from heave_node.interface.alarm import alarms_in
@@ -39,7 +41,6 @@ from heave_node.scenario import WILDCARD
 
 from heave_studies.accept.measured import Measured, Nominal, rate_of
 from heave_studies.accept.procedure import FAULTS_OF, Procedure, RunTest, Step
-from heave_studies.accept.results import lacking_words
 
 _SENSORS: Mapping[str, Sensor] = {"mru": MRU, "depth": DEPTH, "load_cell": LOAD_CELL}
 _WINCH = topics.WINCH_STATE.name
@@ -181,6 +182,48 @@ SILENCED: Mapping[str, tuple[str, ...]] = {
     "encoder": ("payout", "payout_rate"),
 }
 """Quantities that an event of a device may silence."""
+
+
+Span = tuple[float, float]
+"""Start and end [s]."""
+
+
+def lacking_words(signals: Iterable[Signal], window: Span, excused: Iterable[tuple[Signal, Span]] = ()) -> str:
+    """Return in words that a record lacks part of a window; "" where it has all of it.
+
+    Within the window gaps up to DEFAULT_BRIDGE count as recorded, as `heave import` has it. At its ends a signal may
+    lack LONGEST_GAP of its periods, as in tables.
+
+    Parameters
+    ----------
+    signals : each of which must be there
+    window : that is judged
+    excused : further signals, each with the time of an event that may silence it
+    """
+    start, end = window
+    if not end > start:
+        return f"nothing to judge from {start:g} s to {end:g} s"
+    gaps = [gap for signal in signals for gap in _gaps(signal, window)]
+    gaps += [
+        gap for signal, event in excused for gap in _gaps(signal, window) if gap[1] < event[0] or gap[0] > event[1]
+    ]
+    missing, known = 0.0, start
+    for first, last in sorted(gaps):
+        missing += max(last - max(first, known), 0.0)
+        known = max(known, last)
+    if not missing:
+        return ""
+    return f"{math.floor(10.0 * (end - start - missing)) / 10.0:g} s of {end - start:g} s recorded"
+
+
+def _gaps(signal: Signal, window: Span) -> list[Span]:
+    """Return the gaps of a signal within a window that nothing bridges."""
+    inside = signal.window(*window).time
+    edges = np.concatenate((window[:1], inside, window[1:]))
+    bridged = np.full(edges.size - 1, DEFAULT_BRIDGE)
+    period = float(np.median(np.diff(inside))) if inside.size > 1 else 0.0
+    bridged[[0, -1]] = min(LONGEST_GAP * period, DEFAULT_BRIDGE)
+    return [(float(edges[at]), float(edges[at + 1])) for at in np.flatnonzero(np.diff(edges) > bridged)]
 
 
 class ForeignRecord:

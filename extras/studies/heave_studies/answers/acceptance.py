@@ -13,14 +13,12 @@ import pandas
 from heave_bags.analyse.kpi_set import DEFINITION_OF
 from heave_bags.analyse.verdict import FAILED, PASSED
 from heave_bags.report.figure import Figure
-from heave_bags.report.parts import notice, table
-from heave_bags.report.report import place_figure, unbroken
-from heave_bringup.output import Part, make_table
+from heave_bags.report.report import unbroken
+from heave_bringup.output import Part
 
 from heave_studies.accept.measured import RESIDUALS
-from heave_studies.accept.results import NOT_DONE
-from heave_studies.accept.study import DETAIL, Acceptance
-from heave_studies.answers.answer import Found
+from heave_studies.accept.study import DETAIL, NOT_DONE, Acceptance
+from heave_studies.answers.answer import Found, Page, Section
 from heave_studies.study.workers import FAILURE
 
 KEYS: Mapping[str, object] = MappingProxyType(
@@ -51,22 +49,18 @@ def answer(kind: Acceptance, frame: pandas.DataFrame) -> Found:
         required = unbroken(f"{row['figure']}: {row['required']}".strip(": "))
         first = [row["step"], row["state"]] if row[DETAIL] else ["", ""]
         rows.append([*first, required, unbroken(row["reached"]), row["against"] if row[DETAIL] else ""])
-    residual_head, residuals = _residuals(steps)
+    residuals = _residuals(steps)
     failures = [f"{one['step']}: {words}" for one in steps for words in one["failures"]]
-    drawn: list[Figure] = []
     passed = sum(one["state"] == PASSED for one in steps)
-    body = [
-        f'<p class="lead">{html.escape(kind.procedure.description)}</p>',
-        f"<p><strong>{FAILED if failures else PASSED}</strong>: {passed} of {len(steps)} steps passed</p>",
-        f"<h2>Steps</h2>{table(head, rows, texts=5)}",
-        f"<h2>Residuals</h2>{table(residual_head, residuals, texts=1)}" if residuals else "",
-        *(_step(number, one, drawn) for number, one in enumerate(steps, 1)),
-        f"<h2>What was tested, and with what</h2>{table(['', ''], _facts(kind, steps), texts=2)}",
-        _signatures(kind.procedure.signatures),
+    verdict = f"verdict: {FAILED if failures else PASSED}: {passed} of {len(steps)} steps passed"
+    sections: list[Section | Page | Part] = [
+        Section(words=[kind.procedure.description], in_terminal=False),
+        Section("Steps", head, rows, texts=5, words=[verdict]),
+        *([residuals] if residuals.rows else []),
+        *(_step(number, one) for number, one in enumerate(steps, 1)),
+        Section("What was tested, and with what", ["", ""], _facts(kind, steps), texts=2, in_terminal=False),
+        Page(_signatures(kind.procedure.signatures)),
     ]
-    parts: list[Part] = [make_table(head, rows, texts=head)]
-    parts += [make_table(residual_head, residuals)] if residuals else []
-    parts.append(f"verdict: {FAILED if failures else PASSED}")
     data = {
         "title": kind.procedure.title,
         "passed": not failures,
@@ -74,11 +68,11 @@ def answer(kind: Acceptance, frame: pandas.DataFrame) -> Found:
         "facts": kind.facts,
     }
     judged = sum(one["state"] != NOT_DONE for one in steps)
-    return Found(parts, data, body, drawn, FOOTER, failures, judged)
+    return Found(sections, data, FOOTER, failures, judged)
 
 
-def _residuals(steps: Sequence[Mapping[str, Any]]) -> tuple[list[str], list[list[str]]]:
-    """Return head and rows of the four residuals of the `steps` that have one, side by side: compare like with like."""
+def _residuals(steps: Sequence[Mapping[str, Any]]) -> Section:
+    """Return the four residuals of the `steps` that have one, side by side: compare like with like."""
     definitions = [DEFINITION_OF[key] for key in RESIDUALS]
     head = ["step", *(f"{one.title} [{one.unit}]" for one in definitions)]
     rows = [
@@ -86,18 +80,20 @@ def _residuals(steps: Sequence[Mapping[str, Any]]) -> tuple[list[str], list[list
         for one in steps
         if any(math.isfinite(one["residuals"][key]) for key in RESIDUALS[:2])
     ]
-    return head, rows
+    return Section("Residuals", head, rows)
 
 
-def _step(number: int, one: Mapping[str, Any], drawn: list[Figure]) -> str:
-    parts = [f"<h2>{number}. {html.escape(one['step'])}: {html.escape(one['state'])}</h2>"]
-    parts += [f'<p class="lead">{html.escape(one["what"])}</p>'] if one["what"] else []
-    parts += [f'<p class="caption">{html.escape(words)}</p>' for words in one["done"]]
-    parts += [notice(words) for words in (one[FAILURE], *one["notes"]) if words]
-    if one["cells"]:
-        parts.append(table(["figure", "required", "reached", "verdict"], one["cells"], texts=4))
-    parts += [place_figure(Figure(**figure), drawn) for figure in one["figures"]]
-    return "\n".join(parts)
+def _step(number: int, one: Mapping[str, Any]) -> Section:
+    return Section(
+        f"{number}. {one['step']}: {one['state']}",
+        ["figure", "required", "reached", "verdict"] if one["cells"] else [],
+        one["cells"],
+        texts=4,
+        words=[words for words in (one["what"], *one["done"]) if words],
+        notices=[words for words in (one[FAILURE], *one["notes"]) if words],
+        figures=[Figure(**figure) for figure in one["figures"]],
+        in_terminal=False,
+    )
 
 
 def _facts(kind: Acceptance, steps: Sequence[Mapping[str, Any]]) -> list[list[str]]:

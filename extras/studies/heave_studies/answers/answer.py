@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import difflib
+import html
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from importlib import import_module
@@ -14,7 +15,8 @@ from heave_bags.analyse.kpi_set import DEFINITION_OF
 from heave_bags.analyse.run_words import lift_facts
 from heave_bags.analyse.verdict import required_words
 from heave_bags.report.figure import Figure
-from heave_bags.report.parts import table
+from heave_bags.report.parts import notice, table
+from heave_bags.report.report import place_figure
 from heave_bringup.commands.models.loads import strengths_in
 from heave_bringup.output import Part, make_table
 from heave_bringup.run.criteria import refuse_unknown
@@ -41,17 +43,73 @@ Ask = Mapping[str, object]
 
 
 @dataclass(frozen=True)
+class Section:
+    """A part of an answer: title, words, what must be seen, a table, figures; in a terminal without the figures."""
+
+    title: str = ""  # above it
+    head: Sequence[str] = ()  # of the table; empty: there is none
+    rows: Sequence[Sequence[str]] = ()  # cells of the table
+    texts: int = 1  # first columns of the table that hold text
+    last_is_text: bool = False  # the last column does
+    words: Sequence[str] = ()  # above the table, a line each
+    notices: Sequence[str] = ()  # a line each, that must be seen
+    figures: Sequence[Figure] = ()  # below the table
+    in_terminal: bool = True  # a terminal shows it too
+
+    @property
+    def parts(self) -> list[Part]:
+        """It in a terminal."""
+        if not self.in_terminal:
+            return []
+        lines = [self.title, *self.words, *(f"caution: {words}" for words in self.notices)]
+        texts = [*self.head[: self.texts], *(self.head[-1:] if self.last_is_text else [])]
+        shown = [make_table(self.head, self.rows, texts=texts)] if self.head else []
+        return [*(["\n".join(filter(None, lines))] if any(lines) else []), *shown]
+
+    def html(self, drawn: list[Figure]) -> str:
+        """Return it on a page, whose figures so far are those that are `drawn`: its own are added."""
+        parts = [f"<h2>{html.escape(self.title)}</h2>"] if self.title else []
+        parts += [f'<p class="caption">{html.escape(words)}</p>' for words in self.words]
+        parts += [notice(words) for words in self.notices]
+        parts += [table(self.head, self.rows, texts=self.texts, last_is_text=self.last_is_text)] if self.head else []
+        return "\n".join([*parts, *(place_figure(figure, drawn) for figure in self.figures)])
+
+
+@dataclass(frozen=True)
+class Page:
+    """A part of an answer that only a page shows."""
+
+    html: str  # of it
+
+
+@dataclass(frozen=True)
 class Found:
     """An answer."""
 
-    parts: Sequence[Part]  # text and tables for people
+    sections: Sequence[Section | Page | Part]  # for people: of the page and a terminal, of the page, of a terminal
     data: Mapping[str, object]  # for machines
-    body: Sequence[str] = ()  # HTML of the page, with the places of the figures
-    figures: Sequence[Figure] = ()  # in the order of their places
     footer: str = ""  # of the page
     failures: Sequence[str] = ()  # why the verdict is FAILED, in words
     judged: int = 0  # cases that the answer stands on
-    worst: int | None = None  # the case worth a run over ROS, the last that `parts` name
+    worst: int | None = None  # the case worth a run over ROS, the last that is named in a terminal
+
+    @property
+    def parts(self) -> list[Part]:
+        """What a terminal shows."""
+        found: list[Part] = []
+        for one in self.sections:
+            found += one.parts if isinstance(one, Section) else [] if isinstance(one, Page) else [one]
+        return found
+
+    def page(self) -> tuple[list[str], list[Figure]]:
+        """Return the HTML of the page, with the places of its figures, and these."""
+        drawn: list[Figure] = []
+        body = [
+            one.html(drawn) if isinstance(one, Section) else one.html
+            for one in self.sections
+            if isinstance(one, Section | Page)
+        ]
+        return body, drawn
 
 
 class Answer(Protocol):
@@ -190,15 +248,14 @@ CRITERIA = Sheet(
 )
 
 
-def criteria_parts(criteria: Criteria) -> tuple[Part, str]:
-    """Return `criteria` as a table for people, and as HTML under a heading; those that all have in common once."""
+def criteria_section(criteria: Criteria) -> Section:
+    """Return the table of `criteria`; those that all have in common once."""
     groups = list(criteria.items())[:1] if len(set(map(repr, criteria.values()))) == 1 else list(criteria.items())
     head, rows = CRITERIA.headings, [cells for _, of in groups for cells in CRITERIA.cells(of)]
     if len(groups) > 1:
         head = ["of", *head]
         rows = [[name, *cells] for name, of in groups for cells in CRITERIA.cells(of)]
-    rows = rows or [["none", *"-" * (len(head) - 1)]]
-    return make_table(head, rows, texts=head), f"<h2>Criteria</h2>{table(head, rows, texts=len(head))}"
+    return Section("Criteria", head, rows or [["none", *"-" * (len(head) - 1)]], texts=len(head))
 
 
 def lift_of(study: Study) -> dict[str, str]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import html
 import math
 from collections.abc import Mapping
 from dataclasses import asdict
@@ -10,11 +9,10 @@ from types import MappingProxyType
 
 import pandas
 from heave_bags.analyse.kpi_set import DEFINITION_OF
-from heave_bags.report.parts import table
-from heave_bringup.output import Part, make_table
+from heave_bringup.output import Part
 from heave_node.parameters import ParameterError
 
-from heave_studies.answers.answer import Ask, Found, criteria_of_cases, criteria_parts
+from heave_studies.answers.answer import Ask, Found, Page, Section, criteria_of_cases, criteria_section
 from heave_studies.study.case_file import CASE
 from heave_studies.study.plan import Study
 from heave_studies.study.sampling import SALTELLI
@@ -26,7 +24,6 @@ from heave_studies.study.summary import (
     remarks,
     sobol_indices,
     summary_rows,
-    summary_table,
     to_json,
 )
 from heave_studies.study.table import SILENT, SILENT_START
@@ -53,34 +50,23 @@ def answer(study: Study, frame: pandas.DataFrame, ask: Ask, /) -> Found:
     figure = study.search.figure if study.search else str(ask["figure"])
     good = frame[frame[FAILURE] == ""]
     judged = int(good[figure].notna().sum()) if study.search else len(good)
-    parts: list[Part] = [case_table(frame), *(["\n".join(lines)] if (lines := remarks(frame)) else [])]
-    head, rows = summary_rows(frame)
-    body = [
-        criteria_parts(criteria_of_cases(study))[1],
-        "<h2>Summary</h2>",
-        table(head, rows, texts=1, last_is_text=True),
-    ]
+    sections: list[Section | Page | Part] = [case_table(frame)]
+    sections += ["\n".join(lines)] if (lines := remarks(frame)) else []
+    sections += [criteria_section(criteria_of_cases(study))]
     data = to_json(frame)
     if study.draws is not None and not study.search and len(good) >= FEWEST_CASES and figure in DEFINITION_OF:
         what = influences(frame, figure)
-        matters = influence_rows(what, figure)
-        parts.append(make_table(*matters, texts=["influence"]))
-        body += ["<h2>What matters</h2>", table(*matters, texts=1, last_is_text=True)]
+        sections.append(Section("What matters", *influence_rows(what, figure), last_is_text=True))
         data["influences"] = {"kpi": figure, "parameters": [asdict(one) for one in what]}
         if study.draws.method == SALTELLI:
             found = sobol_indices(study.draws, frame, figure)
             cells = [[name, f"{first:.2f}", f"{total:.2f}"] for name, (first, total) in found.items()]
-            head = ["share of the variance", "by itself", "with all others"]
-            parts.append(make_table(head, cells))
-            body.append(table(head, cells, texts=1))
+            sections.append(Section("", ["share of the variance", "by itself", "with all others"], cells))
             data["sobol"] = found
     worst, failures, number = _worst(study, good, figure if study.search else MOTION)
-    parts += [summary_table(frame), *worst]
-    if study.refinement is not None:
-        words = study.refinement.words(frame)
-        parts.append(words)
-        body.append(f"<p>{html.escape(words)}</p>")
-    return Found(parts, data, body, failures=failures, judged=judged, worst=number)
+    more = [study.refinement.words(frame)] if study.refinement is not None else []
+    sections += [Section("Summary", *summary_rows(frame), last_is_text=True, words=more), *worst]
+    return Found(sections, data, failures=failures, judged=judged, worst=number)
 
 
 def _worst(study: Study, good: pandas.DataFrame, figure: str) -> tuple[list[str], list[str], int | None]:

@@ -9,7 +9,6 @@ Journal of Wind Engineering and Industrial Aerodynamics 9, 1982, for wind speeds
 
 from __future__ import annotations
 
-import html
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -18,13 +17,11 @@ from types import MappingProxyType
 
 import numpy as np
 import pandas
-from heave_bags.report.parts import notice, table
-from heave_bringup.output import Part, sheet_table
 from heave_node.numerics.arrays import Array
 from heave_node.parameters import ParameterError
 from heave_node.sheet import Column, Sheet
 
-from heave_studies.answers.answer import Ask, Found, first_scenario, number_in
+from heave_studies.answers.answer import Ask, Found, Section, first_scenario, number_in
 from heave_studies.study.plan import Study
 from heave_studies.study.table import SEED, settings_of
 from heave_studies.study.workers import FAILURE, optional
@@ -100,19 +97,16 @@ def answer(study: Study, frame: pandas.DataFrame, ask: Ask, /) -> Found:
     if settings:
         parts_of = good.groupby([good[name].astype(str) for name in settings], sort=False)
         groups = [(", ".join(map(str, key if isinstance(key, tuple) else (key,))), part) for key, part in parts_of]
-    parts: list[Part] = []
-    body, seas, judged = [], [], 0
+    sections, seas, judged = [], [], 0
     for name, part in groups:
         count = part[SEED].nunique()
         expected = [] if count < FEWEST_SEEDS else expected_in(part, block, hours)
-        cautions = _cautions(count, block, hours)
         judged += len(part) if expected else 0
         title = f"{name}: largest in {hours:g} h, from {count} seeds of {60.0 * block:.3g} min"
-        shown = table(SHEET.headings, SHEET.cells(expected), texts=1)
-        body += [f"<h2>{html.escape(title)}</h2>", shown, *map(notice, cautions)]
-        parts += [title, sheet_table(SHEET, expected), *(f"caution: {words}" for words in cautions)]
+        cautions = _cautions(count, block, hours)
+        sections.append(Section(title, SHEET.headings, SHEET.cells(expected), notices=cautions))
         seas.append({"sea": name, "expected": SHEET.records(expected)})
-    return Found(parts, {"hours": hours, "seas": seas}, body, judged=judged)
+    return Found(sections, {"hours": hours, "seas": seas}, judged=judged)
 
 
 def _cautions(seeds: int, block: float, hours: float) -> list[str]:

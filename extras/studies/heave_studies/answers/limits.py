@@ -2,24 +2,33 @@
 
 from __future__ import annotations
 
-import html
 import math
+from calendar import month_abbr
 from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import replace
 from types import MappingProxyType
 from typing import Any
 
+import numpy as np
 import pandas
-from heave_bags.report.figure import Figure
-from heave_bags.report.parts import notice, table
-from heave_bags.report.report import place_figure
-from heave_bringup.output import Part, make_table
+from heave_bags.report.figure import UNCOMPENSATED, UNIT, Figure
+from heave_bags.report.parts import table
+from heave_bringup.output import Part
 from heave_bringup.run.criteria import BASELINE_LAW, LAW
 from heave_node.parameters import ParameterError
 from heave_node.sheet import Column, Sheet
 
-from heave_studies.answers.answer import Ask, Found, as_path, check_seas, criteria_of, criteria_parts, number_in
-from heave_studies.operability.figures import limit_figure, month_figure
+from heave_studies.answers.answer import (
+    Ask,
+    Found,
+    Page,
+    Section,
+    as_path,
+    check_seas,
+    criteria_of,
+    criteria_section,
+    number_in,
+)
 from heave_studies.operability.limits import (
     HEIGHT,
     Bisection,
@@ -30,6 +39,8 @@ from heave_studies.operability.limits import (
 )
 from heave_studies.operability.seas import (
     ALL,
+    HS,
+    TP,
     Exposure,
     Place,
     SeaRecord,
@@ -41,6 +52,128 @@ from heave_studies.operability.seas import (
 from heave_studies.sizing import number
 from heave_studies.study.plan import Study, unlinked
 from heave_studies.study.workers import FAILURE
+
+PERIOD_AXIS = {"title": {"text": "peak period Tp [s]"}}
+HEIGHT_AXIS = {"title": {"text": "significant wave height Hs [m]"}, "rangemode": "tozero"}
+
+
+def limit_figure(situation: Situation, record: SeaRecord | None) -> Figure:
+    """Return the limit curves, compensated beside locked, over the seas of a place.
+
+    Parameters
+    ----------
+    situation : of a study
+    record : seas of the place; None: none
+    """
+    traces: list[dict[str, Any]] = []
+    if record is not None:
+        traces.append(_cloud(record))
+    for name, curve, colour in (
+        ("winch locked", situation.locked_limit, UNCOMPENSATED),
+        ("compensated", situation.limit, UNIT),
+    ):
+        traces += curve_traces(name, curve, colour)
+    return Figure(
+        "Largest workable sea",
+        "Mean over the seeds, with the confidence interval of the mean (90 %). An open triangle: the limit lies above "
+        "(pointing up) or below (pointing down) this height; the study ran no sea there.",
+        traces,
+        {"xaxis": PERIOD_AXIS, "yaxis": HEIGHT_AXIS, "hovermode": "closest"},
+        is_over_time=False,
+        height=430,
+    )
+
+
+def _cloud(record: SeaRecord) -> dict[str, Any]:
+    states = record.states.dropna(subset=[HS])
+    sizes = 3 if record.has_order else (4.0 + 40.0 * np.sqrt(states["share"].to_numpy())).tolist()
+    return {
+        "name": f"seas of {record.name}",
+        "x": states[TP].round(2).tolist(),
+        "y": states[HS].round(2).tolist(),
+        "mode": "markers",
+        "marker": {"size": sizes, "color": "#8fb7d3", "opacity": 0.35},
+        "hoverinfo": "skip",
+    }
+
+
+def curve_traces(name: str, curve: pandas.DataFrame, colour: str) -> list[dict[str, Any]]:
+    """Return a limit curve as a line, with the band of its confidence.
+
+    Parameters
+    ----------
+    name : in the legend
+    curve : as `limit_curve` gives it
+    colour : of both
+    """
+    band = curve[~curve["is_below"]].dropna(subset=["lower"])
+    traces = []
+    if not band.empty:
+        traces.append(
+            {
+                "x": [*band["period"], *band["period"][::-1]],
+                "y": [*band["upper"], *band["lower"][::-1]],
+                "fill": "toself",
+                "fillcolor": colour,
+                "opacity": 0.18,
+                "line": {"width": 0},
+                "mode": "lines",
+                "hoverinfo": "skip",
+                "showlegend": False,
+            }
+        )
+    rows = curve.to_dict("records")
+    symbols = [_symbol(row) for row in rows]
+    return [
+        *traces,
+        {
+            "name": name,
+            "x": curve["period"].tolist(),
+            "y": curve["limit"].where(~curve["is_below"], curve["at_most"]).tolist(),
+            "text": [f"{limit_words(row)} m, ended by {title_of(row['governs'] or 'nothing')}" for row in rows],
+            "hovertemplate": "Tp %{x} s: Hs %{text}<extra></extra>",
+            "mode": "lines+markers",
+            "line": {"color": colour, "width": 2.5},
+            "marker": {"symbol": symbols, "size": 9, "color": colour},
+        },
+    ]
+
+
+def _symbol(row: Mapping[Hashable, Any]) -> str:
+    """Return the mark of a `row` of a limit curve: open where the limit lies outside the heights that were run."""
+    if row["is_below"]:
+        return "triangle-down-open"
+    return "triangle-up-open" if row["is_open"] else "circle"
+
+
+def month_figure(situation: Situation) -> Figure | None:
+    """Return the workable share by month, compensated beside locked, of a `situation`; None without a record."""
+    pairs = (
+        ("winch locked", situation.locked_exposure, UNCOMPENSATED),
+        ("compensated", situation.exposure, UNIT),
+    )
+    traces = [
+        {
+            "type": "bar",
+            "name": name,
+            "x": [month_abbr[int(month)] for month in exposure.by_month.index],
+            "y": (100.0 * exposure.by_month).round(2).tolist(),
+            "marker": {"color": colour},
+        }
+        for name, exposure, colour in pairs
+        if exposure is not None and len(exposure.by_month)
+    ]
+    if not traces:
+        return None
+    return Figure(
+        "Workable seas by month",
+        "Share of the measured seas within the mean limit.",
+        traces,
+        {"yaxis": {"title": {"text": "workable [%]"}, "range": [0, 100]}, "barmode": "group"},
+        is_over_time=False,
+        height=320,
+    )
+
 
 KEYS: Mapping[str, object] = MappingProxyType(
     {"within": None, "record": None, "windows": [6.0, 12.0, 24.0], "alpha": 1.0}
@@ -103,18 +236,17 @@ def answer(study: Study, frame: pandas.DataFrame, ask: Ask, /) -> Found:
     """See `heave_studies.answers.answer.Answer`."""
     place = _place(ask)
     criteria = criteria_of(study)
-    listed, criteria_html = criteria_parts(criteria)
     found = study_situations(frame, criteria, place)
     few = too_few_seeds([one.limit for one in found])
-    drawn: list[Figure] = []
-    body = [*_notices(found, place, few), _overview(found, place), criteria_html]
+    sections: list[Section | Page | Part] = [Section(notices=[*([few] if few else []), *_notices(found, place)])]
     for one in found:
-        body += _section(one, place, drawn)
-    remarks = [] if place is None or place.record.has_order else [no_windows(place.record)]
-    remarks += [few] if few else []
-    remarks += [study.refinement.words(frame)] if study.refinement is not None else []
+        figures = [limit_figure(one, place.record if place else None), month_figure(one)]
+        shown = [figure for figure in figures if figure is not None]
+        sections += [Section(one.name or "Limits", *limit_rows(one), texts=2, figures=shown), _months(one.exposure)]
+    sections += [*_overview(found, place), criteria_section(criteria)]
+    sections += [study.refinement.words(frame)] if study.refinement is not None else []
     if LAW not in frame:
-        remarks.append(f"To add the limits under law {BASELINE_LAW}: --vary {LAW}=mpc,{BASELINE_LAW}")
+        sections.append(f"To add the limits under law {BASELINE_LAW}: --vary {LAW}=mpc,{BASELINE_LAW}")
     data = {
         "criteria": {name: {one.kpi: one.text for one in of} for name, of in criteria.items()},
         "situations": [
@@ -129,24 +261,7 @@ def answer(study: Study, frame: pandas.DataFrame, ask: Ask, /) -> Found:
         ],
     }
     judged = int((frame[FAILURE] == "").sum())
-    return Found([*_tables(found, place), listed, *remarks], data, body, drawn, FOOTER, judged=judged)
-
-
-def _tables(found: Sequence[Situation], place: Place | None) -> list[Part]:
-    parts: list[Part] = []
-    for one in found:
-        parts += [*([one.name] if one.name else []), make_table(*limit_rows(one), texts=[ENDED])]
-        if place is not None and one.exposure is not None and one.locked_exposure is not None:
-            parts.append(
-                f"workable seas of {place.record.name}: {100 * one.exposure.share:.1f} % compensated, "
-                f"{100 * one.locked_exposure.share:.1f} % with the winch locked"
-            )
-            both = (waits(one.exposure, place), waits(one.locked_exposure, place))
-            parts += [
-                f"wait for {hours:g} h, P50 / P90: {compensated} h compensated, {alone} h with the winch locked"
-                for hours, compensated, alone in zip(place.windows, *both, strict=False)
-            ]
-    return parts
+    return Found(sections, data, FOOTER, judged=judged)
 
 
 def limit_rows(situation: Situation) -> tuple[list[str], list[list[str]]]:
@@ -182,8 +297,8 @@ def no_windows(record: SeaRecord) -> str:
     )
 
 
-def _notices(found: Sequence[Situation], place: Place | None, few: str) -> list[str]:
-    words = [few] if few else []
+def _notices(found: Sequence[Situation], place: Place | None) -> list[str]:
+    words = []
     if place is not None:
         name = place.record.name
         words += [f"{name}: {warning}" for warning in place.record.warnings]
@@ -198,13 +313,13 @@ def _notices(found: Sequence[Situation], place: Place | None, few: str) -> list[
                 f"{100 * outside:.1f} % of the seas have a period outside those of the study; the limit of the nearest "
                 "one is held there."
             )
-    return [notice(one) for one in words]
+    return words
 
 
-def _overview(found: Sequence[Situation], place: Place | None) -> str:
+def _overview(found: Sequence[Situation], place: Place | None) -> list[Section]:
     """Return the answer in one table: how much of the place's seas are workable, and how long one waits."""
     if place is None:
-        return ""
+        return []
     rows = []
     for situation in found:
         for name, exposure in (("compensated", situation.exposure), ("winch locked", situation.locked_exposure)):
@@ -214,28 +329,14 @@ def _overview(found: Sequence[Situation], place: Place | None) -> str:
                 rows.append([situation.name or "all", name, *shares, *waits(exposure, place)])
     head = ["situation", "winch", "workable seas [%]", "at the lower confidence [%]"]
     head += [f"wait for {hours:g} h, P50 / P90 [h]" for hours in place.windows if place.record.has_order]
-    windows = (
-        f"windows in seas up to {100 * place.alpha:g} % of a limit"
-        if place.record.has_order
-        else html.escape(no_windows(place.record))
-    )
-    caption = f"Seas of {html.escape(place.record.name)}; {windows}."
-    return f'<h2>Answer</h2><p class="caption">{caption}</p>{table(head, rows, texts=2)}'
+    ordered = f"windows in seas up to {100 * place.alpha:g} % of a limit"
+    words = ordered if place.record.has_order else no_windows(place.record)
+    return [Section(f"Workable seas of {place.record.name}", head, rows, texts=2, words=[words])]
 
 
-def _section(situation: Situation, place: Place | None, drawn: list[Figure]) -> list[str]:
-    figures = [limit_figure(situation, place.record if place else None), month_figure(situation)]
-    return [
-        f"<h2>{html.escape(situation.name or 'Limits')}</h2>",
-        table(*limit_rows(situation), texts=2),
-        *(place_figure(figure, drawn) for figure in figures if figure is not None),
-        _months(situation.exposure),
-    ]
-
-
-def _months(exposure: Exposure | None) -> str:
-    """Return the waiting times of an `exposure` by month, folded up; "" without an order of the seas."""
+def _months(exposure: Exposure | None) -> Page:
+    """Return the waiting times of an `exposure` by month, folded up; nothing without an order of the seas."""
     if exposure is None or exposure.windows.empty:
-        return ""
+        return Page("")
     cells = table(MONTHS.headings, MONTHS.cells(exposure.windows.itertuples()), texts=2)
-    return f"<details><summary>Waiting times by month, compensated</summary>{cells}</details>"
+    return Page(f"<details><summary>Waiting times by month, compensated</summary>{cells}</details>")

@@ -47,8 +47,9 @@ def render(
     what = f"<details><summary>What a case costs</summary>{table(HEAD, cost, texts=1)}</details>" if cost else ""
     screened = screening_words(frame)
     note = [notice(html.escape(screened))] if screened else []
-    body = [*head, *_verdict(found), *note, *found.body, _cases(frame, table_file), what, whence]
-    return render_page(title, "\n".join(body), list(found.figures), footer=f"{found.footer} {FOOTER}".strip())
+    answer, figures = found.page()
+    body = [*head, *_verdict(found), *note, *answer, _cases(frame, table_file), what, whence]
+    return render_page(title, "\n".join(body), figures, footer=f"{found.footer} {FOOTER}".strip())
 
 
 def _verdict(found: Found) -> list[str]:

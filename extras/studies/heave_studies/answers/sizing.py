@@ -2,29 +2,24 @@
 
 from __future__ import annotations
 
-import html
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, replace
 from types import MappingProxyType
 
 import pandas
 from cable_sim_node.vertical.axial_line import axial_line
-from heave_bags.report.figure import Figure
-from heave_bags.report.parts import notice, table
-from heave_bags.report.report import place_figure
-from heave_bringup.output import Part, sheet_table
 from heave_node.kpi import RATED_SHARE
 from heave_node.loads.cycles import DAMAGE_EXPONENT, LEAST_RANGE
 from heave_node.parameters import ParameterError
-from heave_node.sheet import Sheet
 
 from heave_studies.answers.answer import (
     Ask,
     Found,
+    Section,
     as_path,
     check_seas,
     criteria_of,
-    criteria_parts,
+    criteria_section,
     first_scenario,
     number_in,
 )
@@ -100,32 +95,23 @@ def answer(study: Study, frame: pandas.DataFrame, ask: Ask, /) -> Found:
     """See `heave_studies.answers.answer.Answer`."""
     prices = _prices(ask)
     criteria = criteria_of(study, OF_THE_WINCH)
-    listed, criteria_html = criteria_parts(criteria)
     seas = _record(ask) or even_seas(frame)
     found = size_winches(frame, criteria[""], seas, prices)
     answers = knees(found)
-    drawn: list[Figure] = []
+    knee = f"The knee gives {100 * ENOUGH:g} % of what the best of its sweep gives, all else as the scenario has it."
     charged = (
         f"Drive efficiency {prices.efficiency:g}, {100 * prices.regeneration:g} % of the regenerated energy used, "
-        f"{prices.energy:g} for a kWh."
+        f"{prices.energy:g} for a kWh. Means over the workable seas."
     )
-    body = [
-        *_notices(found),
-        f'<h2>Answer</h2><p class="caption">Seas: {html.escape(seas.name)}. The knee gives {100 * ENOUGH:g} % of what '
-        f"the best of its sweep gives, all else as the scenario has it.</p>{_table(KNEES, answers)}",
-        criteria_html,
-        f"<h2>Winches</h2>{_table(ABILITY, found)}",
-        f'<h2>An hour of compensation</h2><p class="caption">{charged}</p>{_table(DUTY, found)}',
-        "<h2>What each particular is worth</h2>",
-        *(place_figure(sweep_figure(found, knee), drawn) for knee in answers),
-    ]
-    parts: list[Part] = [
-        f"seas: {seas.name}",
-        *([sheet_table(KNEES, answers)] if answers else []),
-        sheet_table(ABILITY, found),
-        "an hour of compensation, mean over the workable seas",
-        sheet_table(DUTY, found),
-        listed,
+    sections = [
+        Section(notices=_notices(found), in_terminal=False),
+        Section("Answer", KNEES.headings, KNEES.cells(answers), words=[f"Seas: {seas.name}. {knee}"]),
+        Section("Winches", ABILITY.headings, ABILITY.cells(found)),
+        Section("An hour of compensation", DUTY.headings, DUTY.cells(found), words=[charged]),
+        criteria_section(criteria),
+        Section(
+            "What each particular is worth", figures=[sweep_figure(found, one) for one in answers], in_terminal=False
+        ),
     ]
     data = {
         "seas": seas.name,
@@ -133,11 +119,7 @@ def answer(study: Study, frame: pandas.DataFrame, ask: Ask, /) -> Found:
         "knees": {one.particular.name: {"value": one.value, "is_open": one.is_open} for one in answers},
         "winches": BUYERS.records(found),
     }
-    return Found(parts, data, body, drawn, FOOTER, judged=int((frame[FAILURE] == "").sum()))
-
-
-def _table(sheet: Sheet, rows: Sequence[object]) -> str:
-    return table(sheet.headings, sheet.cells(rows), texts=1)
+    return Found(sections, data, FOOTER, judged=int((frame[FAILURE] == "").sum()))
 
 
 def _notices(found: Sequence[Sized]) -> list[str]:
@@ -161,4 +143,4 @@ def _notices(found: Sequence[Sized]) -> list[str]:
         "The scenario's criteria on the winch's own limits and power are left out: a winch counts by what it does for "
         f"the unit ({left_out})."
     )
-    return [notice(one) for one in words]
+    return words

@@ -29,9 +29,8 @@ from winch_controller_node.design.prediction import sensor_periods
 from winch_controller_node.design.seas import GROUP_MEMORY, GROUP_SHARE, MEMORY, PATIENCE, STEP
 from winch_controller_node.model.lqr import DesignError
 
-from heave_studies.batch.fit import not_covered
 from heave_studies.batch.kernel import DONE, Control, Course, Timing, fly, heights_seen
-from heave_studies.batch.law import READINGS, control_of, law_gain, noises_seen, settling_share
+from heave_studies.batch.law import READINGS, control_of, law_gain, noises_seen, not_covered, settling_share
 
 NEAR = 0.8
 """Share of a limit of the winch from which on the law is not the free one (`near_limits.BEGINS` of the controller)."""

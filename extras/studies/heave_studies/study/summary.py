@@ -17,13 +17,12 @@ from dataclasses import dataclass
 import numpy as np
 import pandas
 from heave_bags.analyse import kpi_set
-from heave_bringup.output import FittedTable, make_table
+from heave_bringup.output import FittedTable
 from heave_bringup.run.criteria import LAW
 from heave_node import kpi
 from heave_node.numerics.arrays import Array
 from heave_node.numerics.randomness import random_stream
 from heave_node.parameters import ParameterError
-from rich.table import Table
 from scipy import stats
 
 from heave_studies.study.case_file import CASE
@@ -181,16 +180,11 @@ def remarks(frame: pandas.DataFrame) -> list[str]:
     return [*found[:MOST_REMARKS], *([more] if len(found) > MOST_REMARKS else [])]
 
 
-def summary_table(frame: pandas.DataFrame) -> Table:
-    """Return what the cases of a `frame` come to together, in the units of the table of cases; by law, where it varies.
+def summary_rows(frame: pandas.DataFrame) -> tuple[list[str], list[list[str]]]:
+    """Return head and rows of what the cases of a `frame` come to together; by law, where it varies.
 
     A law is not a case of another: figures over several of them together would mean nothing.
     """
-    return make_table(*summary_rows(frame), texts=["unit"])
-
-
-def summary_rows(frame: pandas.DataFrame) -> tuple[list[str], list[list[str]]]:
-    """Return head and rows of the summary of a `frame`."""
     names = list(summaries_by_law(frame))
     parts = {name: frame[frame[LAW].astype(str) == name] for name in names} or {"value": frame}
     groups = {name: summarise(part) for name, part in parts.items()}

@@ -36,10 +36,10 @@ class Job:
 
     number: int  # counted from 1
     label: str  # for people
-    work: Callable[[], Plain]  # does it, here or in another process
+    work: Callable[[], Any]  # does it, here or in another process; of a study it gives Plain
 
 
-Run = Callable[[Sequence[Job]], Iterator[tuple[Job, Plain]]]
+Run = Callable[[Sequence[Job]], Iterator[tuple[Job, Any]]]
 """Runs jobs, and yields each with its result as they come."""
 
 
@@ -64,7 +64,7 @@ def workers(processes: int | None = None, address: str | None = None) -> Iterato
         yield lambda jobs: _run_on(dask, client, jobs)
 
 
-def run_here(jobs: Sequence[Job]) -> Iterator[tuple[Job, Plain]]:
+def run_here(jobs: Sequence[Job]) -> Iterator[tuple[Job, Any]]:
     """Run the `jobs` in this process, and yield each with its result."""
     return ((job, job.work()) for job in jobs)
 
@@ -140,7 +140,7 @@ def _kill(cluster: Any) -> None:
             os.kill(nanny.pid, signal.SIGKILL)
 
 
-def _run_on(dask: Any, client: Any, jobs: Sequence[Job]) -> Iterator[tuple[Job, Plain]]:
+def _run_on(dask: Any, client: Any, jobs: Sequence[Job]) -> Iterator[tuple[Job, Any]]:
     """Run the jobs on the workers of a scheduler. What a worker had in hand that died is run once more, one by one."""
     waiting = iter(jobs)
     job_of: dict[Any, Job] = {}

@@ -9,6 +9,7 @@ from functools import partial
 
 import numpy as np
 from heave_bags.analyse.events import words
+from heave_bringup.errors import CommandError
 from heave_node.interface.codes import COMPENSATION_LOST, MODE_CHANGED, WinchLimit
 from heave_node.kpi import efficiency, significant
 from heave_node.numerics.arrays import Array
@@ -18,20 +19,18 @@ from winch_controller_node.beliefs.quantities import DEPTH_SCALE, ENCODER_SCALE
 from winch_controller_node.core.supervision.modes import Mode
 from winch_controller_node.node_parameters import WinchControllerParameters
 
+from heave_studies.study.workers import FAILURE, Job, Run, run_here
 from heave_studies.whatif.identify import STIFFNESS, CableFit, Evidence, fit_cable
 from heave_studies.whatif.record import Flags, SensorRecord, bridged, without_move
-from heave_studies.whatif.spectra import Disturbance, HighPass, disturbance, tip_source
+from heave_studies.whatif.spectra import Disturbance, HighPass, TipSource, disturbance, smoothed_tip
 from heave_studies.whatif.twin import (
     Again,
     Asked,
     Drive,
-    Follow,
     Past,
     PlantFactors,
-    PlantMotion,
     Replayed,
     driven,
-    followed,
     locked,
     nominal_line,
     observed_again,
@@ -41,7 +40,6 @@ from heave_studies.whatif.twin import (
     speeds_shown,
     winch_under,
 )
-from heave_studies.whatif.work import HERE, Work
 
 MODES = (MODE_CHANGED, COMPENSATION_LOST)
 """Codes of alarms that report a mode, and not why."""
@@ -94,45 +92,6 @@ def unit_motion(done: Replayed, unexplained: Disturbance) -> Array:
     return without_move(done.time, done.unit + done.set_point + unexplained.heave, done.set_point)
 
 
-def figures(
-    done: Replayed,
-    unit: Array,
-    tension: Array,
-    *,
-    sigma: float,
-    window: slice,
-    uncompensated: float,
-    tick_period: float,
-) -> Figures:
-    """Return the figures of a loop, still without bands.
-
-    Parameters
-    ----------
-    done : what it did
-    unit : its motion about its mean depth at each tick (n,) [m]
-    tension : at the top at each tick [N]; NaN where it is not known
-    sigma : standard deviation of that motion, with what is not known of it [m]
-    window : ticks that are judged
-    uncompensated : standard deviation of the unit with the winch locked [m]
-    tick_period : [s]
-    """
-    rate = done.rate[window]
-    top = tension[window]
-    is_known = bool(np.isfinite(top).all())
-    values = {
-        "unit_efficiency": efficiency(sigma, uncompensated),
-        "unit_sigma_m": sigma,
-        "significant_residual_m": significant(sigma),
-        "tension_min_n": float(top.min()) if is_known else math.nan,
-        "tension_max_n": float(top.max()) if is_known else math.nan,
-        "winch_speed_max_mps": float(np.abs(rate).max()),
-        "winch_acceleration_max_mps2": float(np.abs(np.diff(rate)).max()) / tick_period,
-        "time_at_limit_percent": 100.0 * float(np.mean((done.limits_hit[window] & COUNTED) != 0)),
-    }
-    lost_at, cause = lost(done)
-    return Figures(values, unit[window], {}, lost_at, cause)
-
-
 def limit_words(flags: Flags) -> str:
     """Return the limits of the winch that acted in any of some ticks, given as sums of `flags`; empty: none."""
     acted = int(np.bitwise_or.reduce(flags, initial=0)) & COUNTED
@@ -161,8 +120,6 @@ class Spread:
 
     # what changes in the figures where the loop is closed over other plants and winches that the record allows
     loops: Sequence[Mapping[str, float]]
-    # what changes in them where the same payout acts on other plants that it allows
-    plants: Sequence[Mapping[str, float]]
     added: float  # standard deviation of the motion that the twins add to the record [m]
     locked: float  # the same of the winch locked [m]
     model: float  # relative error of the twins in both [-]
@@ -170,12 +127,8 @@ class Spread:
     def half(self, key: str) -> float:
         """Return half the width of a band of the figure `key`, by what the record allows."""
         # a t distribution of so few draws is wider than a normal one
-        widths = [
-            COVERED * (1.0 + 1.5 / len(draws)) * _rms([one[key] for one in draws])
-            for draws in (self.loops, self.plants)
-            if draws
-        ]
-        return max(widths, default=0.0)
+        factor = COVERED * (1.0 + 1.5 / max(len(self.loops), 1))
+        return factor * float(np.sqrt(np.mean(np.square([one[key] for one in self.loops] or [0.0]))))
 
 
 def with_bands(base: Figures, spread: Spread, uncompensated: float, by_tip: float = 0.0) -> Figures:
@@ -221,11 +174,6 @@ def possible(bands: Mapping[str, Band]) -> dict[str, Band]:
     return found
 
 
-def _rms(values: Sequence[float]) -> float:
-    """Return the root of the mean square of `values`."""
-    return math.sqrt(float(np.mean(np.square(values))))
-
-
 OFF = Mode.OFF.value
 """Law with which the winch is locked."""
 
@@ -235,9 +183,6 @@ MOVES = 1e-3
 WINCH_SPREAD = (0.2, 0.03, 0.02)
 """Spread of a winch that has not moved, 1 sigma, as a data sheet leaves it: logarithm of lag, delay [s], logarithm of
 its gain."""
-
-PLANTS = 12
-"""Number of other plants on which the motion of a loop is tried: enough for a spread to a fifth."""
 
 
 @dataclass(frozen=True)
@@ -265,9 +210,9 @@ class Known:
         square = float(np.var(motion[self.window])) - self.unexplained.left**2
         return math.hypot(math.sqrt(max(square, 0.0)), self.by_tip)
 
-    def under(self, fits: Sequence[CableFit], follow: Follow) -> list[Known]:
-        """Return what is known under each of other `fits`, the winch as it is; `follow` returns motions of plants."""
-        return _known(self.evidence, self.again, fits, float(self.past.record.time[self.window.start]), follow)
+    def under(self, fit: CableFit) -> Known:
+        """Return what is known under another `fit`, the winch as it is."""
+        return _known(self.evidence, self.again, fit, float(self.past.record.time[self.window.start]))
 
     @property
     def model(self) -> float:
@@ -278,13 +223,7 @@ class Known:
         return min(max(left / max(explained, 1e-9), MODEL_LEAST), MODEL_MOST)
 
 
-def learn(
-    record: SensorRecord,
-    nominal: WinchControllerParameters,
-    *,
-    start: float,
-    work: Work = HERE,
-) -> Known:
+def learn(record: SensorRecord, nominal: WinchControllerParameters, *, start: float) -> Known:
     """Return what a `record` shows.
 
     Parameters
@@ -292,17 +231,15 @@ def learn(
     record : that can carry an answer, see `fitness`
     nominal : parameters of its controller
     start : of the window that is judged [s]
-    work : that does independent parts
     """
     again = observed_again(record, nominal)
     beliefs = again.beliefs
     scale = beliefs.value(ENCODER_SCALE, nominal)
     winch = past_winch(record, winch_under(beliefs, nominal, speeds_shown(record, scale)), scale)
-    source = tip_source(record, corrections(beliefs, nominal)["mru"], assumed_high_pass(beliefs, nominal))
+    high_pass = assumed_high_pass(beliefs, nominal)
+    source = TipSource(record.time, smoothed_tip(record, corrections(beliefs, nominal)["mru"], high_pass), high_pass)
     evidence = Evidence(record, nominal, nominal_line(nominal), source, winch, beliefs.value(DEPTH_SCALE, nominal))
-    work.show("the same law again, cable and unit", 0.0)
-    follow = partial(work.done, "cable and unit", driven)
-    return _known(evidence, again, [fit_cable(evidence, follow)], start, follow)[0]
+    return _known(evidence, again, fit_cable(evidence), start)
 
 
 def assumed_high_pass(beliefs: Beliefs, nominal: WinchControllerParameters) -> HighPass:
@@ -311,25 +248,22 @@ def assumed_high_pass(beliefs: Beliefs, nominal: WinchControllerParameters) -> H
     return HighPass(mru.high_pass_period, mru.high_pass_damping)
 
 
-def _known(evidence: Evidence, again: Again, fits: Sequence[CableFit], start: float, follow: Follow) -> list[Known]:
-    """Return what is known under each of some `fits`.
-
-    `start` is that of the window that is judged [s]; `follow` returns the motions of plants.
-    """
-    record, winch, dt = evidence.record, evidence.winch, evidence.record.tick_period
-    recorded, still = [], []
-    for fit in fits:
-        tip = evidence.tip(fit.values)
-        line = scaled_line(evidence.line(fit.values), PlantFactors(stiffness=fit.values[STIFFNESS]))
-        set_point = set_point_of(record)
-        recorded.append(Drive(line, evidence.nominal.length, tip, winch.payout, winch.rate, dt))
-        still.append(recorded[-1]._replace(payout=set_point, rate=np.gradient(set_point, dt)))
-    motions = follow([*recorded, *still])
-    offs = map(partial(locked, record), still, motions[len(fits) :])
-    return [
-        _under(evidence, again, fit, start, drive, plant, off)
-        for fit, drive, plant, off in zip(fits, recorded, motions, offs, strict=False)
-    ]
+def _known(evidence: Evidence, again: Again, fit: CableFit, start: float) -> Known:
+    """Return what is known under a `fit`; `start` is that of the window that is judged [s]."""
+    record, winch, nominal = evidence.record, evidence.winch, evidence.nominal
+    line = scaled_line(evidence.line(fit.values), PlantFactors(stiffness=fit.values[STIFFNESS]))
+    set_point, tip = set_point_of(record), evidence.tip(fit.values)
+    drive = Drive(line, nominal.length, tip, winch.payout, winch.rate, record.tick_period)
+    off = locked(record, drive._replace(payout=set_point, rate=np.gradient(set_point, record.tick_period)))
+    plant = driven(drive)
+    heave = np.column_stack(evidence.readings[0])
+    unexplained = disturbance(heave, record.time, plant.unit, nominal.sensors.depth.noise)
+    encoder_scale = again.beliefs.value(ENCODER_SCALE, nominal)
+    past = Past(record, line, nominal.length, tip, winch, winch.parameters, plant, encoder_scale, evidence.depth_scale)
+    window = slice(int(np.searchsorted(record.time, start)), record.ticks)
+    left = float(np.std(without_move(record.time, unexplained.heave, set_point)[record.time >= evidence.start]))
+    by_tip = evidence.by_tip(fit.values)
+    return Known(nominal, again, fit, past, unexplained, left, set_point, off, window, by_tip, evidence)
 
 
 def set_point_of(record: SensorRecord) -> Array:
@@ -337,37 +271,10 @@ def set_point_of(record: SensorRecord) -> Array:
     return bridged(record.set_points)
 
 
-def _under(
-    evidence: Evidence, again: Again, fit: CableFit, start: float, drive: Drive, plant: PlantMotion, off: Replayed
-) -> Known:
-    """Return what is known under a `fit`, whose `plant` moved so by its `drive`, and was so with the winch locked.
-
-    `start` is that of the window that is judged [s].
-    """
-    record, nominal, set_point = evidence.record, evidence.nominal, off.payout
-    heave = np.column_stack(evidence.readings[0])
-    unexplained = disturbance(heave, record.time, plant.unit, nominal.sensors.depth.noise)
-    past = Past(
-        record,
-        drive.line,
-        drive.length,
-        drive.tip,
-        evidence.winch,
-        evidence.winch.parameters,
-        plant,
-        again.beliefs.value(ENCODER_SCALE, nominal),
-        evidence.depth_scale,
-    )
-    window = slice(int(np.searchsorted(record.time, start)), record.ticks)
-    left = float(np.std(without_move(record.time, unexplained.heave, set_point)[record.time >= evidence.start]))
-    by_tip = evidence.by_tip(fit.values)
-    return Known(nominal, again, fit, past, unexplained, left, set_point, off, window, by_tip, evidence)
-
-
-def drawn(known: Known, seed: int, number: int, follow: Follow = followed) -> Known:
-    """Return what is `known` with plant and winch of draw `number` of a `seed`; `follow` returns motions of plants."""
+def drawn(known: Known, seed: int, number: int) -> Known:
+    """Return what is `known` with plant and winch of draw `number` of a `seed`."""
     random = random_stream(seed, f"whatif/{number}")
-    (other,) = known.under([known.fit.drawn(random)], follow)
+    other = known.under(known.fit.drawn(random))
     if winch_moved(known):
         return other
     lag, delay, gain = (spread * float(random.standard_normal()) for spread in WINCH_SPREAD)
@@ -379,12 +286,6 @@ def drawn(known: Known, seed: int, number: int, follow: Follow = followed) -> Kn
         speed_gain=winch.speed_gain * math.exp(gain),
     )
     return replace(other, past=replace(other.past, winch_parameters=winch))
-
-
-def other_plants(known: Known, seed: int) -> list[CableFit]:
-    """Return `PLANTS` other plants that the record allows by what is `known`, of a `seed`."""
-    random = random_stream(seed, "whatif/plants")
-    return [known.fit.drawn(random) for _ in range(PLANTS)]
 
 
 def winch_moved(known: Known) -> bool:
@@ -415,12 +316,7 @@ class Answer:
 
 
 def answers(
-    known: Known,
-    wanted: Sequence[Asked],
-    others: Sequence[Known] = (),
-    plants: Sequence[CableFit] = (),
-    *,
-    work: Work = HERE,
+    known: Known, wanted: Sequence[Asked], others: Sequence[Known] = (), *, run: Run = run_here
 ) -> list[Answer]:
     """Return what the loops that are asked for would have done.
 
@@ -429,20 +325,22 @@ def answers(
     known : by the record
     wanted : controllers and winches
     others : draws of what the record allows, over which each loop is closed again, for the bands
-    plants : draws of cable, unit and MRU, on which its payout is tried
-    work : that closes loops
+    run : closes loops
+
+    Raises CommandError where a process ends without a result.
     """
     tasks = [(one, asked) for asked in wanted for one in (known, *others)]
-    seen = [_seen(one, asked) if one is known or _is_off(asked) else None for one, asked in tasks]
-    open_ = [(one.past, asked) for (one, asked), done in zip(tasks, seen, strict=True) if done is None]
-    closed = iter(work.done("closing loops", replay, open_))
-    done, count = [next(closed) if one is None else one for one in seen], 1 + len(others)
-    loops = [done[number : number + count] for number in range(0, len(done), count)]
-    on_plants = _on_plants(known, wanted, [of_law[0] for of_law in loops], plants, work)
-    return [
-        _answer(known, asked, of_law, others, on_plant)
-        for asked, of_law, on_plant in zip(wanted, loops, on_plants, strict=True)
+    done = {n: seen for n, (one, asked) in enumerate(tasks) if (seen := _seen(one, asked, known)) is not None}
+    jobs = [
+        Job(n, asked.name, partial(replay, one.past, asked)) for n, (one, asked) in enumerate(tasks) if n not in done
     ]
+    for job, result in run(jobs):
+        if isinstance(result, dict):
+            raise CommandError(str(result[FAILURE]))
+        done[job.number] = result
+    count = 1 + len(others)
+    loops = [[done[number + n] for n in range(count)] for number in range(0, len(tasks), count)]
+    return [_answer(known, asked, of_law, others) for asked, of_law in zip(wanted, loops, strict=True)]
 
 
 def _is_off(asked: Asked) -> bool:
@@ -450,44 +348,22 @@ def _is_off(asked: Asked) -> bool:
     return asked.controller.law == OFF
 
 
-def _seen(known: Known, asked: Asked) -> Replayed | None:
-    """Return what is asked for where what is `known` has it already: the winch locked, or the record itself."""
+def _seen(one: Known, asked: Asked, known: Known) -> Replayed | None:
+    """Return what is asked for where it is there already: the winch locked, or the record itself where that is known.
+
+    Parameters
+    ----------
+    one : what is known, or a draw of it
+    asked : for the loop
+    known : by the record
+    """
     if _is_off(asked):
-        return known.off
-    is_own = asked.controller == known.nominal and asked.winch is None
+        return one.off
+    is_own = one is known and asked.controller == known.nominal and asked.winch is None
     return _as_recorded(known) if is_own and known.again.is_same else None
 
 
-def _on_plants(
-    known: Known, wanted: Sequence[Asked], loops: Sequence[Replayed], plants: Sequence[CableFit], work: Work
-) -> list[list[Figures]]:
-    """Return, for each loop that is `wanted`, its figures with the payout of what is `known` on each of other `plants`.
-
-    `loops` are what each of them does over what is known.
-    """
-    if not plants:
-        return [[] for _ in wanted]
-    others = known.under(plants, partial(work.done, "motions of other plants", driven))
-    tasks = [
-        one.past.drive(done.payout, done.rate)
-        for asked, done in zip(wanted, loops, strict=True)
-        if not _is_off(asked)
-        for one in others
-    ]
-    motions = iter(work.done("motions of each law on other plants", driven, tasks))
-
-    def figures_on(one: Known, asked: Asked, done: Replayed) -> Figures:
-        if _is_off(asked):
-            return _figures(one, one.off)
-        motion = next(motions)
-        return _figures(one, replace(done, unit=motion.unit, tension=motion.tension))
-
-    return [[figures_on(one, asked, done) for one in others] for asked, done in zip(wanted, loops, strict=True)]
-
-
-def _answer(
-    known: Known, asked: Asked, loops: Sequence[Replayed], others: Sequence[Known], on_plants: Sequence[Figures]
-) -> Answer:
+def _answer(known: Known, asked: Asked, loops: Sequence[Replayed], others: Sequence[Known]) -> Answer:
     """Return what a loop would have done.
 
     Parameters
@@ -496,7 +372,6 @@ def _answer(
     asked : for the loop
     loops : what it does over that, and over each draw
     others : draws of what is known
-    on_plants : its figures on other plants
     """
     done, *drawn = loops
     base = _figures(known, done)
@@ -504,7 +379,6 @@ def _answer(
     past, window = known.past, known.window
     spread = Spread(
         loops=[one.beside(base) for one in draws],
-        plants=[one.beside(base) for one in on_plants],
         added=float(np.std((done.unit + done.set_point - past.plant.unit - known.set_point)[window])),
         locked=float(np.std((known.off.unit - past.plant.unit)[window])),
         model=known.model,
@@ -518,19 +392,26 @@ def _answer(
 
 
 def _figures(known: Known, done: Replayed) -> Figures:
-    record = known.past.record
-    is_read = bool(np.isfinite(record.tension).any())
-    tension = record.tension + done.tension - known.past.plant.tension if is_read else done.tension
+    """Return the figures of a loop, as `done` over what is `known`, still without bands."""
+    record, window = known.past.record, known.window
     unit = unit_motion(done, known.unexplained)
-    return figures(
-        done,
-        unit,
-        np.maximum(np.where(np.isfinite(tension), tension, done.tension), 0.0),
-        sigma=known.sigma(unit),
-        window=known.window,
-        uncompensated=off_sigma(known),
-        tick_period=record.tick_period,
-    )
+    sigma, off = known.sigma(unit), off_sigma(known)
+    # the record's tension with what the loop changes in it, where it was read
+    read = record.tension + done.tension - known.past.plant.tension
+    tension = np.maximum(np.where(np.isfinite(read), read, done.tension), 0.0)[window]
+    rate = done.rate[window]
+    values = {
+        "unit_efficiency": efficiency(sigma, off),
+        "unit_sigma_m": sigma,
+        "significant_residual_m": significant(sigma),
+        "tension_min_n": float(tension.min()),
+        "tension_max_n": float(tension.max()),
+        "winch_speed_max_mps": float(np.abs(rate).max()),
+        "winch_acceleration_max_mps2": float(np.abs(np.diff(rate)).max()) / record.tick_period,
+        "time_at_limit_percent": 100.0 * float(np.mean((done.limits_hit[window] & COUNTED) != 0)),
+    }
+    lost_at, cause = lost(done)
+    return Figures(values, unit[window], {}, lost_at, cause)
 
 
 def recorded(known: Known) -> Figures:

@@ -2,7 +2,7 @@
 
 They are judged by depth and load cell, against the twin itself, where waves are. The twin is not linear: drag, slack,
 and a memory as long as a record are in it. Its boom tip is Wiener's estimate, with an error that does not depend on the
-estimate and biases nothing; depth and tension share that error. Gauss-Newton from several starts: a resonance is
+estimate and biases nothing; depth and tension share that error. Least squares from several starts: a resonance is
 narrow. Where readings and twin differ by more than their noise, the rest counts as noise, not as evidence.
 """
 
@@ -12,16 +12,16 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import NamedTuple
 
 import numpy as np
 from cable_sim_node.vertical.axial_line import AxialLine
 from heave_node.numerics.arrays import Array, ComplexArray
+from scipy.optimize import OptimizeResult, least_squares
 from winch_controller_node.node_parameters import WinchControllerParameters
 
 from heave_studies.whatif.record import SensorRecord
 from heave_studies.whatif.spectra import BAND, Speeds, Tip, TipSource, Transform, gains_over_top, noise_power
-from heave_studies.whatif.twin import Drive, Follow, PastWinch, PlantFactors, PlantMotion, followed, scaled_line
+from heave_studies.whatif.twin import Drive, PastWinch, PlantFactors, driven, scaled_line
 
 INERTIA, DAMPING, CABLE_DRAG = "cable.inertia_factor", "cable.damping_factor", "cable.drag_factor"
 STIFFNESS, SCALE, DELAY = "cable.stiffness_factor", "mru.scale", "mru.delay"
@@ -145,16 +145,17 @@ class Evidence:
             self.record.tick_period,
         )
 
-    def twin(self, values: Values, motion: PlantMotion) -> ComplexArray:
-        """Return the transforms of what the twin would have read under `values`, of its `motion` (m, k)."""
-        time = self.record.time[self.ticks]
+    def gap(self, values: Values) -> ComplexArray:
+        """Return the transforms of the readings less those of what the twin would have read under `values` (m, k)."""
+        motion, time = driven(self.drive(values, self.ticks)), self.record.time[self.ticks]
         moved = (motion.unit, values[STIFFNESS] * motion.tension)
-        return np.array(
-            [
-                of(np.interp(times, time, one))
-                for of, (times, _), one in zip(self._transforms, self.readings, moved, strict=False)
-            ]
-        )
+        read = [np.interp(times, time, one) for (times, _), one in zip(self.readings, moved, strict=False)]
+        return np.asarray(self.seen - [of(one) for of, one in zip(self._transforms, read, strict=True)])
+
+    def chi2(self, values: Values) -> Array:
+        """Return the mean square of the gap under `values` to each of the readings over its noise (m,)."""
+        held = np.einsum("kii->ik", self.covariance(values, self.noise)).real
+        return np.asarray(np.mean(np.abs(self.gap(values)) ** 2 / held, axis=1))
 
     def covariance(self, values: Values, noise: Array) -> ComplexArray:
         """Return the covariance of readings about the twin at each frequency (k, m, m).
@@ -212,9 +213,9 @@ STARTS = (-0.3, -0.2, -0.12, -0.06, 0.0, 0.06, 0.12, 0.2, 0.3)
 BEST = 3
 """Number of starts that are followed."""
 
-FIRST, ROUNDS, HALVINGS, SETTLED = 2, 8, 4, 0.1
-"""Gauss-Newton steps from each start, and from the best of them at most; how often one is halved; and a step in
-standard deviations that ends it."""
+FIRST, ROUNDS, SETTLED = 3, 12, 1e-5
+"""Steps from each start, and from the best of them, at most; relative change of the loss that ends them: a step of 0.1
+standard deviations."""
 
 WIDER = 1.5
 """Factor on the standard deviations in draws: a spread by slopes and white noise alone covered 10 of 17 in a trial."""
@@ -252,16 +253,7 @@ class CableFit:
     def drawn(self, random: np.random.Generator) -> CableFit:
         """Return a fit with other values that the record allows, by `random` numbers."""
         moves = WIDER * random.multivariate_normal(np.zeros(len(self.values)), self.covariance)
-        return replace(self, values=values_at(point_of(self.values) + moves, self.values))
-
-
-class Point(NamedTuple):
-    """A point of the search."""
-
-    x: Array  # logarithms of the factors, the others as they are
-    gap: ComplexArray  # what the twin leaves of the readings there (m, k)
-    left: ComplexArray  # the same, whitened (k, m)
-    loss: float  # there [nats]
+        return replace(self, values=values_at(point_of(self.values) + moves))
 
 
 def point_of(values: Values) -> Array:
@@ -269,9 +261,9 @@ def point_of(values: Values) -> Array:
     return np.array([value if name in AS_THEY_ARE else math.log(value) for name, value in values.items()])
 
 
-def values_at(x: Array, names: Values) -> dict[str, float]:
-    """Return the values at a point `x`, with `names` in its order."""
-    return {name: float(v) if name in AS_THEY_ARE else math.exp(v) for name, v in zip(names, x, strict=True)}
+def values_at(x: Array) -> dict[str, float]:
+    """Return the values at a point `x`, by name."""
+    return {name: float(v) if name in AS_THEY_ARE else math.exp(v) for name, v in zip(USUAL, x, strict=True)}
 
 
 class Search:
@@ -281,104 +273,51 @@ class Search:
     ----------
     evidence : of the record
     prior : what is known before
-    about : values about which the error of the boom tip goes into the readings
+    about : point about which the error of the boom tip goes into the readings
     noise : power of what else is in them
-    follow : returns the motions of twins
     """
 
-    def __init__(self, evidence: Evidence, prior: Values, about: Values, noise: Array, follow: Follow) -> None:
-        self._evidence, self._about, self._follow = evidence, about, follow
-        self._sigma = np.array([prior[name] for name in about])
-        self._steps = np.array([STEPS[name] for name in about])
-        self._whiten = np.linalg.inv(np.linalg.cholesky(evidence.covariance(about, noise)))
-        held = {STIFFNESS} if len(noise) < 2 else set()
-        self._free = [place for place, name in enumerate(about) if name not in held]
+    def __init__(self, evidence: Evidence, prior: Values, about: Array, noise: Array) -> None:
+        self._evidence = evidence
+        self._sigma = np.array([prior[name] for name in USUAL])
+        self._whiten = np.linalg.inv(np.linalg.cholesky(evidence.covariance(values_at(about), noise)))
 
-    def at(self, *places: Array) -> list[Point]:
-        """Return the points at some `places`: logarithms of the factors, the others as they are."""
-        evidence, of_places = self._evidence, [values_at(x, self._about) for x in places]
-        motions = self._follow([evidence.drive(values, evidence.ticks) for values in of_places])
-        twins = map(evidence.twin, of_places, motions)
-        return [self._point(x, evidence.seen - twin) for x, twin in zip(places, twins, strict=True)]
+    def left(self, x: Array) -> Array:
+        """Return what the twin at a point `x` leaves of readings and prior, whitened: half its square is in nats.
 
-    def _point(self, x: Array, gap: ComplexArray) -> Point:
-        """Return the point `x`, at which the twin leaves this `gap` to the readings."""
-        left = np.einsum("kij,jk->ki", self._whiten, gap)
-        off = x / self._sigma
-        return Point(x, gap, left, float(INDEPENDENT * np.sum(np.abs(left) ** 2) + 0.5 * off @ off))
+        Complex values of variance 1 count as twice as many real ones, by how many of them are independent.
+        """
+        white = np.einsum("kij,jk->ki", self._whiten, self._evidence.gap(values_at(x))).ravel()
+        return np.concatenate([math.sqrt(2.0 * INDEPENDENT) * part for part in (white.real, white.imag)]
+                              + [x / self._sigma])  # fmt: skip
 
-    def followed(self, point: Point, rounds: int) -> tuple[Point, Array]:
-        """Return the least point near a `point`, after so many `rounds` at most, and the covariance there."""
-        count = len(point.x)
-        for _ in range(rounds):
-            slopes = np.zeros((2 * point.left.size, count))
-            beside = self.at(*(point.x + self._steps[place] * np.eye(count)[place] for place in self._free))
-            for place, moved in zip(self._free, beside, strict=True):
-                slopes[:, place] = _real(moved.left - point.left) / self._steps[place]
-            curvature = slopes.T @ slopes + np.diag(self._sigma**-2.0)
-            pull = slopes.T @ _real(point.left) + point.x / self._sigma**2
-            move = -np.linalg.solve(curvature, pull)
-            covariance = np.asarray(np.linalg.inv(curvature))
-            before = point
-            for _ in range(HALVINGS):
-                (tried,) = self.at(before.x + move)
-                if tried.loss < before.loss:
-                    point = tried
-                    break
-                move = 0.5 * move
-            if point is before or math.sqrt(float(move @ curvature @ move)) < SETTLED:
-                break
-        return point, covariance
+    def loss(self, x: Array) -> float:
+        """Return the loss at a point `x` [nats]."""
+        return 0.5 * float(np.sum(self.left(x) ** 2))
+
+    def slopes(self, x: Array) -> Array:
+        """Return how `left` changes with each coordinate of a point `x`, by finite steps."""
+        here, steps = self.left(x), np.diag(list(STEPS.values()))
+        return np.column_stack([(self.left(x + step) - here) / step.sum() for step in steps])
+
+    def followed(self, x: Array, rounds: int) -> OptimizeResult:
+        """Return the least point near a point `x`, after so many `rounds` at most."""
+        return least_squares(self.left, x, self.slopes, x_scale=self._sigma, ftol=SETTLED, max_nfev=rounds)
 
 
-def _real(values: ComplexArray) -> Array:
-    """Return complex `values` of variance 1 as twice as many real ones, by how many of them are independent."""
-    flat = math.sqrt(2.0 * INDEPENDENT) * values.ravel()
-    return np.concatenate([flat.real, flat.imag])
-
-
-def fit_cable(evidence: Evidence, follow: Follow = followed) -> CableFit:
-    """Return the likeliest values.
-
-    Parameters
-    ----------
-    evidence : of the record
-    follow : returns the motions of twins
-    """
-    prior, centre = prior_of(evidence.nominal), values_at(np.zeros(len(USUAL)), USUAL)
-    starts: list[Values] = [centre, *({**centre, INERTIA: math.exp(one)} for one in STARTS)]
-    return _fitted(evidence, prior, centre, starts, follow)
-
-
-def _fitted(evidence: Evidence, prior: Values, about: Values, starts: list[Values], follow: Follow) -> CableFit:
-    """Return the likeliest values from several `starts`; `follow` returns the motions of twins."""
-    noise = evidence.noise.copy()
-    search = Search(evidence, prior, about, noise, follow)
-    begun = search.at(*map(point_of, starts))
-    if len(starts) > 1:
-        # a compensated record shows scale and delay of its MRU first: the resonance is looked for under them
-        held = values_at(search.followed(begun[0], FIRST)[0].x, about)
-        begun += search.at(*(point_of({**held, INERTIA: one[INERTIA]}) for one in starts))
-    begun = sorted(begun, key=lambda one: one.loss)[:BEST]
-    best, covariance = min((search.followed(one, FIRST) for one in begun), key=lambda pair: pair[0].loss)
-    is_settled = False
-    for _ in range(2):
-        values = values_at(best.x, about)
-        excess = np.maximum(_chi2(evidence, values, best.gap), 1.0)
+def fit_cable(evidence: Evidence) -> CableFit:
+    """Return the likeliest values under some `evidence`."""
+    prior, centre, noise = prior_of(evidence.nominal), np.zeros(len(USUAL)), evidence.noise
+    search = Search(evidence, prior, centre, noise)
+    # a compensated record shows scale and delay of its MRU first: the resonance is looked for under them too
+    held = search.followed(centre, FIRST).x
+    starts = [np.where(np.array(list(USUAL)) == INERTIA, one, x) for x in (centre, held) for one in STARTS]
+    begun = sorted(starts, key=search.loss)[:BEST]
+    best = min((search.followed(one, FIRST) for one in begun), key=lambda one: float(one.cost))
+    for is_settled in (False, True):
+        excess = np.maximum(evidence.chi2(values_at(best.x)), 1.0)
         if np.any(excess * evidence.noise > ALIKE * noise) or not is_settled:
-            noise, is_settled = evidence.noise * excess, True
-            search = Search(evidence, prior, values, noise, follow)
-            best, covariance = search.followed(search.at(best.x)[0], ROUNDS)
-    values = values_at(best.x, about)
-    return CableFit(
-        values,
-        covariance,
-        prior,
-        float(_chi2(evidence, values, best.gap)[0]),
-    )
-
-
-def _chi2(evidence: Evidence, values: Values, gap: ComplexArray) -> Array:
-    """Return the mean square of the `gap` of a twin under `values` to each of the readings over its noise (m,)."""
-    held = np.einsum("kii->ik", evidence.covariance(values, evidence.noise)).real
-    return np.asarray(np.mean(np.abs(gap) ** 2 / held, axis=1))
+            noise = evidence.noise * excess
+            best = Search(evidence, prior, best.x, noise).followed(best.x, ROUNDS)
+    values = values_at(best.x)
+    return CableFit(values, np.linalg.inv(best.jac.T @ best.jac), prior, float(evidence.chi2(values)[0]))

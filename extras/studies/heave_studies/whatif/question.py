@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import os
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -22,14 +20,14 @@ from winch_controller_node.laws.registry import LAWS
 from winch_controller_node.model.lqr import DesignError
 from winch_controller_node.node_parameters import WinchControllerParameters
 
-from heave_studies.whatif.answer import answers, drawn, learn, other_plants, recorded
+from heave_studies.study.workers import Job, workers
+from heave_studies.whatif.answer import answers, drawn, learn, recorded
 from heave_studies.whatif.fitness import Result, check_known, check_record
 from heave_studies.whatif.record import read_record, scenario_text, write_text
-from heave_studies.whatif.twin import Asked, driven, winch_under
-from heave_studies.whatif.work import Show, quiet, work_in
+from heave_studies.whatif.twin import Asked, winch_under
 
 CONTROLLER, WINCH = "winch_controller", "virtual_winch"
-DRAWS, SEED = 4, 1
+DRAWS, SEED = 6, 1
 """Plants over which each loop is closed again for the bands, and seed of these."""
 
 
@@ -54,7 +52,11 @@ class Question:
                 raise ParameterError(f"{law}: no such law; known: {', '.join(LAWS)}")
 
 
-def ask(source: Path, question: Question, *, show: Show = quiet) -> Result:
+Show = Callable[[str, float], None]
+"""Shows what is done, in words, and its share."""
+
+
+def ask(source: Path, question: Question, *, show: Show) -> Result:
     """Return what a record answers to a question.
 
     Parameters
@@ -85,13 +87,19 @@ def _answered(source: Path, question: Question, scratch: Path, show: Show) -> Re
     record = record if question.end is None else record.part(question.end)
     start = before.run.transient if question.transient is None else question.transient
     check_record(record, start, str(source))
-    with work_in(os.cpu_count() or 1, show) as work:
-        known = learn(record, nominal, start=start, work=work)
-        check_known(known, str(source))
-        follow = partial(work.done, "draws of the plant", driven)
-        others = [drawn(known, SEED, number, follow) for number in range(DRAWS)]
-        wanted = asked_of(question, scenario, known.past.winch_parameters, has_adviser=record.has_adviser)
-        found = answers(known, wanted, others, other_plants(known, SEED), work=work)
+    show("the same law again, cable and unit", 0.0)
+    known = learn(record, nominal, start=start)
+    check_known(known, str(source))
+    others = [drawn(known, SEED, number) for number in range(DRAWS)]
+    wanted = asked_of(question, scenario, known.past.winch_parameters, has_adviser=record.has_adviser)
+    with workers() as run:
+
+        def shown(jobs: Sequence[Job]) -> Iterator[tuple[Job, Any]]:
+            for number, pair in enumerate(run(jobs)):
+                show(f"closing loops: {pair[0].label}", (number + 1) / len(jobs))
+                yield pair
+
+        found = answers(known, wanted, others, run=shown)
     return Result(question.settings, notes, known, recorded(known), found)
 
 

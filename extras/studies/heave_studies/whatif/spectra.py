@@ -65,19 +65,8 @@ class Transform:
         return np.asarray(((self._coarse * (weight * v)) @ self._fine).ravel()[: self._count])
 
 
-def tapered_transform(times: Array, values: Array, omegas: Array, start: float, end: float) -> ComplexArray:
-    """Return the Fourier transform (k,) of readings under a Hann taper.
-
-    Parameters
-    ----------
-    times, values : of the readings (n,) [s], any unit
-    omegas, start, end : as for `Transform`
-    """
-    return Transform(times, omegas, start, end)(values)
-
-
 def noise_power(times: Array, values: Array, start: float, end: float, stated: float) -> float:
-    """Return the power of the white noise in readings in the units of `tapered_transform`.
+    """Return the power of the white noise in readings in the units of a `Transform`.
 
     Parameters
     ----------
@@ -90,7 +79,7 @@ def noise_power(times: Array, values: Array, start: float, end: float, stated: f
     if highest < LEAST_BAND * QUIET:
         return stated**2 * spacing
     omegas = np.linspace(QUIET, highest, QUIET_COUNT)
-    return noise_level(np.abs(tapered_transform(times, values, omegas, start, end)) ** 2)
+    return noise_level(np.abs(Transform(times, omegas, start, end)(values)) ** 2)
 
 
 def noise_level(power: Array) -> float:
@@ -352,8 +341,3 @@ class TipSource:
         if delay != 0.0:
             heave, rate = (np.interp(self.time + delay, self.time, one) for one in (heave, rate))
         return Tip(heave, rate, self.plain.sigma)
-
-
-def tip_source(record: SensorRecord, assumed: Correction, high_pass: HighPass) -> TipSource:
-    """Return what the MRU of a `record` says of the boom tip, with what is `assumed` of it and its `high_pass`."""
-    return TipSource(record.time, smoothed_tip(record, assumed, high_pass), high_pass)

@@ -9,7 +9,7 @@ give its readings back to the last bit.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 from typing import NamedTuple
@@ -112,26 +112,12 @@ class Drive(NamedTuple):
     tick_period: float  # [s]
 
 
-def driven(line: AxialLine, length: float, tip: Tip, payout: Array, rate: Array, tick_period: float) -> PlantMotion:
-    """Return the motion of the plant under a given payout.
-
-    Parameters
-    ----------
-    line, length, tip, payout, rate, tick_period : as for Drive
-    """
-    rows = np.column_stack((tip.heave, tip.rate, payout, rate))
-    stepper = twin_stepper(line, length, rows[0], tick_period)
+def driven(drive: Drive) -> PlantMotion:
+    """Return the motion of a plant under its `drive`."""
+    rows = np.column_stack((drive.tip.heave, drive.tip.rate, drive.payout, drive.rate))
+    stepper = twin_stepper(drive.line, drive.length, rows[0], drive.tick_period)
     table = np.vstack((stepper.state, stepper.follow(rows[1:])))
     return PlantMotion(*table.T.copy())
-
-
-Follow = Callable[[Sequence[Drive]], list[PlantMotion]]
-"""What returns the motions of plants, each under its drive."""
-
-
-def followed(drives: Sequence[Drive]) -> list[PlantMotion]:
-    """Return the motion of a plant under each of some `drives`, one after the other."""
-    return [driven(*one) for one in drives]
 
 
 AT_LIMIT = 10
@@ -327,10 +313,6 @@ class Past:
     encoder_scale: float = 1.0  # reading over truth [-]
     depth_scale: float = 1.0  # reading over truth [-]
 
-    def drive(self, payout: Array, rate: Array) -> Drive:
-        """Return what moves cable and unit under another `payout` and its `rate` at each tick (n,) [m], [m/s]."""
-        return Drive(self.line, self.length, self.tip, payout, rate, self.record.tick_period)
-
 
 @dataclass(frozen=True)
 class Replayed:
@@ -476,9 +458,9 @@ def replay(past: Past, asked: Asked) -> Replayed:
     )
 
 
-def locked(record: SensorRecord, drive: Drive, motion: PlantMotion) -> Replayed:
-    """Return what the winch at its mean payout would have been in a `record`: the `motion` under its `drive`."""
-    ticks, set_point = record.ticks, drive.payout
+def locked(record: SensorRecord, drive: Drive) -> Replayed:
+    """Return what the winch at its mean payout would have been in a `record`, under that `drive`."""
+    ticks, set_point, motion = record.ticks, drive.payout, driven(drive)
     return Replayed(
         record.time,
         set_point,

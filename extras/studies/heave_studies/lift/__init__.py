@@ -1,1 +1,0 @@
-"""A lift by phases: a forecast held against the limits of each, and the bag of the lift judged by phase."""
