@@ -297,7 +297,8 @@ class ClockMasterNode(HeaveNode):
     def _begin_tick(self, number: int) -> None:
         tick = Tick(number, self.epoch, self.run.tick_nanoseconds)
         self.tick, self._stepped = tick, False
-        self.clock_of_run.tick_began(tick.start_nanoseconds, time.monotonic_ns())
+        if not self.run.is_lockstep:
+            self.clock_of_run.tick_began(tick.start_nanoseconds, time.monotonic_ns())
         self.timing.tick_began(number)
         self._clock_output.publish(_CLOCK.pack(tick.start_nanoseconds))
         self.fail_on_error(lambda: self._publish_readings(tick))

@@ -165,8 +165,8 @@ class ParticipantNode(HeaveNode):
         newest = self._starts[-1] if self._starts else self._done_with
         if newest is None or _order(message) > _order(newest):
             self._starts.append(message)
-            self.clock_of_run.tick_began(message.stamp, time.monotonic_ns())
             if not self.run.is_lockstep:
+                self.clock_of_run.tick_began(message.stamp, time.monotonic_ns())
                 self.punctuality.entered(message.stamp, self.protocol_times.sent, time.time_ns())
             if self._is_behind():
                 self._catch_up_soon()

@@ -173,6 +173,8 @@ class Input:
         is refused and counted; so is one that is older than the lifespan.
         """
         messages: list[tuple[int | None, Any]] = self._gate.take(self.topic)
+        if not (messages or self._ahead):
+            return messages
         if self.holds_ahead or self.settles:
             self._ahead.extend(messages)
             messages = self._due(tick.start_nanoseconds - self.settles)
