@@ -5,9 +5,9 @@ import signal
 import subprocess
 import sys
 import time
+from contextlib import contextmanager
 from pathlib import Path
 
-import pytest
 import rclpy
 from domain_coordinator import domain_id
 from heave_bags.mcap.reader import Bag
@@ -22,15 +22,20 @@ LOOP = Path(__file__).parents[1] / "node_base" / "test" / "loop_program.py"
 PEERS = ("wave_vessel", "winch_controller", "virtual_winch")
 LAST_TICK = 37
 """A tick that the recorder does not answer for unasked: it answers for ten at a time."""
+TICKS = [tick * 50_000_000 for tick in range(1, LAST_TICK + 1)]
+"""Starts of the ticks [ns]: one each 0.05 s."""
 
 
-@pytest.fixture
-def stuck_loop(tmp_path):
-    """Start a recorded loop that stands still in LAST_TICK; yield its ROS domain and the recorder's process."""
+@contextmanager
+def loop_with(fault: str, tmp_path):
+    """Start a recorded loop with a `fault` of the sea in LAST_TICK; yield its ROS domain and the recorder's process."""
     given = (f"participants:=[{', '.join((*PEERS, 'recorder'))}]", "duration:=100.0")
     programs = {name: [str(LOOP), name] for name in (*PEERS, "cable_sim")}
     programs["recorder"] = ["-m", "heave_bags.record.recorder_node"]
-    own = {"wave_vessel": ("fault:=hang", f"fault_tick:={LAST_TICK}"), "recorder": (f"directory:={tmp_path / 'bag'}",)}
+    own = {
+        "wave_vessel": (f"fault:={fault}", f"fault_tick:={LAST_TICK}"),
+        "recorder": (f"directory:={tmp_path / 'bag'}",),
+    }
     with domain_id() as domain:
         started = {
             name: subprocess.Popen(
@@ -50,13 +55,25 @@ def stuck_loop(tmp_path):
                 process.wait()
 
 
-def test_a_tick_that_was_answered_when_asked_again_survives_the_recorder(stuck_loop, tmp_path):
-    domain, recorder = stuck_loop
-    wait_for_answer(domain, LAST_TICK)
-    os.kill(recorder.pid, signal.SIGKILL)
-    recorder.wait()
-    stamps = [message.log_time for message in Bag(tmp_path / "bag").messages(["/clock"])]
-    assert stamps == [tick * 50_000_000 for tick in range(1, LAST_TICK + 1)], "one each 0.05 s, up to the one answered"
+def stamps(bag: Path, topic: str) -> list[int]:
+    return [message.log_time for message in Bag(bag).messages([topic])]
+
+
+def test_a_tick_that_was_answered_when_asked_again_survives_the_recorder(tmp_path):
+    with loop_with("hang", tmp_path) as (domain, recorder):
+        wait_for_answer(domain, LAST_TICK)
+        os.kill(recorder.pid, signal.SIGKILL)
+        recorder.wait()
+    assert stamps(tmp_path / "bag", "/clock") == TICKS, "one each 0.05 s, up to the one answered"
+
+
+def test_a_bag_of_a_run_that_a_node_has_ended_holds_all_up_to_then(tmp_path):
+    """Also what the clock master has not passed on to the recorder by then: it does so every five ticks."""
+    with loop_with("raise", tmp_path) as (_, recorder):
+        recorder.wait(120.0)
+    bag = tmp_path / "bag"
+    assert stamps(bag, "/clock") == TICKS
+    assert stamps(bag, "/mru") == stamps(bag, "/winch/state") == TICKS[:-1]
 
 
 def wait_for_answer(domain: int, tick: int) -> None:

@@ -88,7 +88,7 @@ class CableSimNode(ClockMasterNode):
         self.unit_odometry.publish(conversions.unit_odometry_message(state.unit, stamp))
         self.uncompensated.publish(conversions.point_motion_message(state.uncompensated, stamp))
         if self._are_markers_due(tick):
-            self.markers.publish(plant_markers(state, self.parameters.seabed, tick.stamp))
+            self.markers.publish(plant_markers(state, self.parameters.seabed, stamp))
 
     def on_advance(self, tick: Tick) -> None:
         """Integrate from `tick` k to t_{k+1} with what is here of then; what is missing is bridged and counted."""

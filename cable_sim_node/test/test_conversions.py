@@ -24,7 +24,7 @@ from heave_node.interface.messages import MessageReader
 from heave_node.numerics.kinematics import PointMotion
 from nav_msgs.msg import Odometry
 from rclpy.serialization import deserialize_message, serialize_message
-from visualization_msgs.msg import Marker
+from visualization_msgs.msg import Marker, MarkerArray
 
 from cable_sim_node import conversions, markers
 
@@ -107,27 +107,35 @@ def test_hardware_that_knows_only_its_encoder_moves_the_plant_by_it() -> None:
     assert (drum.position[0], drum.velocity[0], drum.acceleration[0]) == (1.2501, 0.49, -0.1)
 
 
+def shown(seabed: SeabedParameters) -> list[Marker]:
+    """Return the markers of STATE as RViz reads them."""
+    return list(deserialize_message(markers.plant_markers(STATE, seabed, NOW), MarkerArray).markers)
+
+
 def test_markers_show_every_part_and_a_slack_segment_in_red() -> None:
-    shown = markers.plant_markers(STATE, SeabedParameters(depth=300.0, slope=(0.01, 0.0)), STAMP).markers
-    assert [marker.id for marker in shown] == [0, 1, 2, 3, 4, 5]
-    cable = shown[0]
+    cable, unit, *others, seabed = all_of_them = shown(SeabedParameters(depth=300.0, slope=(0.01, 0.0)))
+    assert [marker.id for marker in all_of_them] == [0, 1, 2, 3, 4, 5]
     assert cable.type == Marker.LINE_STRIP
     assert [(p.x, p.y, p.z) for p in cable.points] == [tuple(row) for row in STATE.node_positions]
     assert len(cable.colors) == len(cable.points)
-    assert (cable.colors[0], cable.colors[1]) == (markers.SLACK, markers.TAUT)
-    unit = shown[1].pose.position
-    assert (unit.x, unit.y, unit.z) == (1.0, -2.0, -300.5)
-    seabed = shown[5]
+    rgba = [(c.r, c.g, c.b, c.a) for c in cable.colors]
+    assert rgba[0] == pytest.approx(markers.SLACK)
+    assert rgba[1] == pytest.approx(markers.TAUT)
+    place = unit.pose.position
+    assert (place.x, place.y, place.z) == (1.0, -2.0, -300.5)
+    assert [marker.type for marker in (unit, *others, seabed)] == [Marker.CUBE] * 2 + [Marker.SPHERE] + [
+        Marker.TRIANGLE_LIST
+    ] * 2
     for p in seabed.points:
         assert p.z == pytest.approx(-300.0 + 0.01 * p.x)
-    assert all(m.header.frame_id == "world" and m.header.stamp == STAMP for m in shown)
-    assert all(m.pose.orientation.w == 1.0 and m.color.a > 0.0 for m in shown)
+    assert all(m.header.frame_id == "world" and m.header.stamp == STAMP for m in all_of_them)
+    assert all(m.pose.orientation.w == 1.0 and m.color.a > 0.0 for m in all_of_them)
 
 
 def test_a_seabed_with_a_profile_is_shown_as_far_as_that_reaches() -> None:
     profile = SeabedProfileParameters(distance=(0.0, 1000.0), height=(0.0, 50.0), direction=0.5)
     seabed = SeabedParameters(depth=300.0, slope=(0.0, 0.02), profile=profile)
-    points = markers.plant_markers(STATE, seabed, STAMP).markers[5].points
+    points = shown(seabed)[5].points
     assert len(points) % 3 == 0
     for p in points:
         assert p.z == pytest.approx(Seabed(seabed).height((p.x, p.y)))
@@ -135,4 +143,4 @@ def test_a_seabed_with_a_profile_is_shown_as_far_as_that_reaches() -> None:
 
 
 def test_without_a_seabed_none_is_shown() -> None:
-    assert len(markers.plant_markers(STATE, SeabedParameters(), STAMP).markers) == 5
+    assert len(shown(SeabedParameters())) == 5

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 from heave_node.criteria import WANTED, Criterion, parse_criterion
@@ -86,17 +87,17 @@ class RunParameters:
         declared = dict(map(parse_clock, self.external_clocks))
         return declared.get(topic.name, declared.get(topic.publisher, Stamping()))
 
-    @property
+    @cached_property
     def tick_nanoseconds(self) -> int:
         """Tick period [ns]; time is counted in whole ticks of it."""
         return round(self.tick_period * 1e9)
 
-    @property
+    @cached_property
     def tick_count(self) -> int:
         """Number of ticks of the run."""
         return round(self.duration / self.tick_period)
 
-    @property
+    @cached_property
     def is_lockstep(self) -> bool:
         """True where nodes wait for everything they need."""
         return self.pacing == LOCKSTEP

@@ -3,7 +3,7 @@
 import pytest
 from heave_msgs.msg import TickDone, TickPart, TickStart
 from heave_node.cdr.layout import LayoutError
-from heave_node.tick.protocol import Part
+from heave_node.tick.protocol import Part, Past
 from heave_node.tick.tick import stamp_of
 from hypothesis import given
 from hypothesis import strategies as st
@@ -48,6 +48,23 @@ def test_other_programs_are_told_by_messages_of_their_own(part):
     )
     assert done == TickDone(epoch=part.epoch, tick=part.tick, lost=part.lost, published=part.published)
     assert Part.of_done(serialize_message(done)) == Part(part.tick, part.epoch, list(part.published), (), part.lost)
+
+
+@given(st.lists(st.tuples(st.integers(0, 3), PARTS), max_size=4))
+def test_parts_that_are_passed_on_are_those_of_the_entries_that_a_node_hears(parts):
+    past = Past(7, 2, parts)
+    came = Past.of(past.to_bytes())
+    assert (came.tick, came.epoch, came.to_bytes()) == (7, 2, past.to_bytes())
+    heard = [(entry, part) for entry, part in parts if entry in (0, 2)]
+    assert list(came.parts_of({0, 2})) == list(past.parts_of({0, 2})) == heard
+
+
+def test_a_part_that_is_passed_on_and_is_none_is_refused_where_it_is_heard():
+    part = Part(tick=7, epoch=2, published=(1, 5), messages=[(1, b"reading")])
+    past = Past.of(Past(7, 2, [(1, b"nonsense"), (2, part)]).to_bytes())
+    assert list(past.parts_of({2})) == [(2, part)]
+    with pytest.raises(LayoutError):
+        list(past.parts_of({1, 2}))
 
 
 @given(PARTS, st.integers(0, 400), st.binary(min_size=1, max_size=4))

@@ -101,8 +101,8 @@ class WinchAdviserNode(ParticipantNode):
             self._fault = str(error)
 
     def service_pause(self) -> float:
-        """See HeaveNode."""
-        return REST if self.has_started else 0.0
+        """See HeaveNode. In lockstep messages come together."""
+        return REST if self.has_started and not self.run.is_lockstep else 0.0
 
     def publish_diagnostics(self, tick: Tick) -> None:
         """Report in real time only: in lockstep how far it is behind at `tick` is chance."""

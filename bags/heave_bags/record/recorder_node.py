@@ -47,10 +47,6 @@ LOOK_PERIOD = 0.1
 """Wall time between two looks for new topics before the run starts [s]."""
 LOOK_PERIOD_IN_RUN = 1.0
 """Wall time between two looks for new topics during the run, where a look costs time that messages need [s]."""
-REST = 0.01
-"""Wall time that messages wait in a lockstep run, to be taken together [s]: a few of the ticks that the recorder may
-be behind.
-"""
 
 
 class RecorderNode(ParticipantNode):
@@ -135,10 +131,6 @@ class RecorderNode(ParticipantNode):
             self._joined.setdefault(message.node, tuple(message.outputs))
             self._lagging |= {message.node} if message.lag > 0 else set()
 
-    def service_pause(self) -> float:
-        """See HeaveNode. In real time a message is written at the time of its arrival."""
-        return REST if self.has_started and self.run.is_lockstep else 0.0
-
     def _announced(self) -> set[str]:
         """Return the topics that other participants say they publish within ticks."""
         outputs = {topic for node, outputs in self._joined.items() if node != self.name for topic in outputs}
@@ -203,15 +195,16 @@ class RecorderNode(ParticipantNode):
             write = sender_callback(self._writer_of(topic))
             self._ports.subscriptions[topic] = self.watch.subscribe(topic, write)
 
-    def take_messages(self, node: str, number: int, part: Part) -> None:
+    def take_messages(self, node: str, number: int, part: Part) -> bool:
         """See HeaveNode. In real time they are written when they come."""
         if self.run.is_lockstep:
-            super().take_messages(node, number, part)
-        elif self.gate.take_part(node, number, ()) and self.is_active:
-            for output, data in part.messages:
-                topic = self._joined[node][output]
-                if topic in self._taken:
-                    self._write(topic, data)
+            return super().take_messages(node, number, part)
+        is_new = self.gate.take_part(node, number, ())
+        for output, data in part.messages if is_new and self.is_active else ():
+            topic = self._joined[node][output]
+            if topic in self._taken:
+                self._write(topic, data)
+        return is_new
 
     def _write(self, topic: str, data: bytes) -> None:
         """Write a message now, and take a snapshot where it reports the fault for one."""

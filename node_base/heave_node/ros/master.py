@@ -34,7 +34,7 @@ from heave_node.ros.transport.real_time import after_tick
 from heave_node.tick import malformed
 from heave_node.tick.loop_timing import LoopTiming
 from heave_node.tick.malformed import ProtocolError, expect_no, expect_sender
-from heave_node.tick.protocol import Part
+from heave_node.tick.protocol import Part, Past
 from heave_node.tick.roster import NOT_WAITED_FOR, Participant, Roster
 from heave_node.tick.speakers import Speakers
 from heave_node.tick.tick import Tick
@@ -51,6 +51,8 @@ MISMATCH_PATIENCE = 0.5
 """Wall time for which publisher and reader must seem not to match before the run is refused [s]."""
 STOP_RECORDING_TIME = 3.0
 """Real time: wall time for which a run goes on after a node failed, so that the bag shows how the winch stops [s]."""
+PAST_TICKS, PAST_PERIOD = 5, 0.05
+"""Lockstep: ticks, or wall time [s], after which those that may be behind get what was sent meanwhile."""
 LAST_STATUS_TIMEOUT = Duration(seconds=2)
 """Wall time that the last status may take to be acknowledged by every subscriber."""
 
@@ -63,6 +65,7 @@ class _Protocol(NamedTuple):
     roster: Publisher[Any] | LocalPublisher
     status: Publisher[Any] | LocalPublisher
     start: Output  # of the tick, for nodes of other programs
+    past: Output  # of what was sent in a few ticks, for nodes that may be behind
 
 
 class ClockMasterNode(HeaveNode):
@@ -96,12 +99,17 @@ class ClockMasterNode(HeaveNode):
         self._clock_started_at = 0.0
         self._waits = MasterWaits()
         self._lead = Part()
+        self._past = Past(0, 0, ())
+        self._passed_on: list[tuple[int, Part]] = []
+        self._passed_on_at = 0.0
         self._clock_output = self.add_output(topics.CLOCK)
         self._protocol = _Protocol(
             self.make_publisher(topics.TICK_ROSTER),
             self.make_publisher(topics.TICK_STATUS),
             self.add_apart(topics.TICK_START),
+            Output(self.resolve_topic_name(topics.TICK_PAST.name), self.make_publisher(topics.TICK_PAST)),
         )
+        self._ports.outputs.append(self._protocol.past)
         self.create_protocol_subscription(topics.TICK_JOIN, self._on_join)
         for node in peers:
             self.hear_parts(node)
@@ -247,7 +255,7 @@ class ClockMasterNode(HeaveNode):
 
     def _appoint_speakers(self) -> dict[str, Speakers]:
         """Return who may publish on each topic that one node owns, by resolved name."""
-        of_master = (topics.TICK_ROSTER, topics.TICK_START, topics.TICK_LEAD, topics.TICK_STATUS)
+        of_master = (topics.TICK_ROSTER, topics.TICK_START, topics.TICK_LEAD, topics.TICK_PAST, topics.TICK_STATUS)
         lawful = {topic.name: [self.identity] for topic in of_master}
         for p in self.roster.participants.values():
             of_node = (topics.tick_done_topic(p.name), topics.tick_part_topic(p.name))
@@ -289,9 +297,9 @@ class ClockMasterNode(HeaveNode):
     def _begin_tick(self, number: int) -> None:
         tick = Tick(number, self.epoch, self.run.tick_nanoseconds)
         self.tick, self._stepped = tick, False
-        self.clock_of_run.tick_began(tick.start_nanoseconds, time.monotonic_ns())
+        if not self.run.is_lockstep:
+            self.clock_of_run.tick_began(tick.start_nanoseconds, time.monotonic_ns())
         self.timing.tick_began(number)
-        self.look_for_hearers()
         self._clock_output.publish(_CLOCK.pack(tick.start_nanoseconds))
         self.fail_on_error(lambda: self._publish_readings(tick))
         if not self.failure:
@@ -308,6 +316,9 @@ class ClockMasterNode(HeaveNode):
         self.gate.begin(self.epoch, tick.number, counters)
         self._lead = Part(tick.number, self.epoch, counters, carried, 0, tick.start_nanoseconds, flush)
         self._send_lead()
+        self._pass_on(self.name, self._lead)
+        if flush or tick.number % PAST_TICKS == 0 or time.monotonic() - self._passed_on_at > PAST_PERIOD:
+            self._send_past()
         self._report_recovery()
         self._waits.sent(self.run.resend_period)
 
@@ -315,6 +326,19 @@ class ClockMasterNode(HeaveNode):
         self.send_part(self._lead)
         if self._protocol.start.is_heard:
             self._protocol.start.publish_uncounted(self._lead.to_start())
+
+    def _pass_on(self, node: str, part: Part) -> None:
+        """Keep a `part` of a `node` for those that may be behind."""
+        if self._protocol.past.is_heard:
+            self._passed_on.append((self.roster.entry_of(node), part))
+
+    def _send_past(self, *, again: bool = False) -> None:
+        """Send what waits for those that may be behind; `again`: where nothing does, what they were sent last."""
+        self._passed_on_at = time.monotonic()
+        if self._passed_on:
+            self._past, self._passed_on, again = Past(self.tick_number, self.epoch, self._passed_on), [], True
+        if again and self._past.parts:
+            self._protocol.past.publish_uncounted(self._past.to_bytes() if self.exchange is None else self._past)
 
     @property
     def part_topic(self) -> Topic:
@@ -332,8 +356,8 @@ class ClockMasterNode(HeaveNode):
             return
         expect_sender(identity, participant.identity)
         expect_no(malformed.fault_in_part(part, len(participant.outputs)))
-        if is_whole:
-            self.take_messages(node, part.published[0], part)
+        if is_whole and self.take_messages(node, part.published[0], part) and part.messages:
+            self._pass_on(node, part)
         if part.epoch == self.epoch:
             self.roster.answer(node, part.tick, part.published)
             participant.lost = part.lost
@@ -372,6 +396,7 @@ class ClockMasterNode(HeaveNode):
             self._begin_flush()
         elif self._pause_at is not None and self.tick_number >= self._pause_at:
             self.run_state = TickStatus.PAUSED
+            self._send_past()
         else:
             self._begin_tick(self.tick_number + 1)
 
@@ -465,7 +490,6 @@ class ClockMasterNode(HeaveNode):
         """Ask all to answer when they have every message of the run: a publisher must not end before."""
         self.tick = Tick(self.tick_number + 1, self.epoch, self.run.tick_nanoseconds)
         self._stepped = False
-        self.look_for_hearers()
         self.timing.wait_began()
         self._patience = Patience()
         self._send_start(self.tick, flush=True)
@@ -494,6 +518,7 @@ class ClockMasterNode(HeaveNode):
         """Tell the others how the run ended, whatever the reason."""
         if self.run_state != TickStatus.ENDED:
             self.run_state, self._reason = TickStatus.FAILED, self.failure
+        self._send_past()
         self._publish_status()
 
     def wait_until_heard(self) -> None:
@@ -526,6 +551,7 @@ class ClockMasterNode(HeaveNode):
             self.send_again_alone(self._lead)
             self._publish_roster()
             self._send_lead()
+            self._send_past(again=True)
         behind = self.roster.unanswered(self.tick_number, flush=self._is_flushing)
         text = "; ".join(
             f"{p.name} has not finished tick {p.answered + 1}"

@@ -42,10 +42,6 @@ DIAGNOSTICS_PERIOD = 1.0
 class HeaveNode(PortedNode):
     """What participants and the clock master have in common.
 
-    Class attributes that a node sets, besides those of PortedNode
-    --------------------------------------------------------------
-    lag : ticks that the node may be behind the others; NOT_WAITED_FOR: nobody waits for it
-
     Attributes
     ----------
     has_joined : it is configured, or was about to be: it has its part of the tick protocol
@@ -54,8 +50,6 @@ class HeaveNode(PortedNode):
     was_ended : a signal or a transition, not an error, ended it
     work : this node's own time in each tick, in real time
     """
-
-    lag: int = 0
 
     def __init__(self) -> None:
         super().__init__()

@@ -13,6 +13,7 @@ from heave_msgs.msg import TickRoster, TickStatus
 from rclpy.duration import Duration
 from rclpy.lifecycle import LifecycleState, TransitionCallbackReturn
 
+from heave_node.cdr.layout import LayoutError
 from heave_node.interface import topics
 from heave_node.ros.diagnostics import Health, Level
 from heave_node.ros.node import HeaveNode, steady_clock
@@ -20,7 +21,7 @@ from heave_node.ros.silence import Patience, Silence
 from heave_node.ros.transport.real_time import after_tick
 from heave_node.tick import malformed
 from heave_node.tick.malformed import ProtocolError, expect_no, expect_sender
-from heave_node.tick.protocol import Part
+from heave_node.tick.protocol import Part, Past
 from heave_node.tick.punctuality import Punctuality
 from heave_node.tick.roster import KnownRoster
 from heave_node.tick.tick import Tick
@@ -74,7 +75,10 @@ class ParticipantNode(HeaveNode):
         self._is_advancing = False
         self._done = self.add_apart(topics.tick_done_topic(self.name))
         self.create_protocol_subscription(topics.TICK_ROSTER, self._on_roster)
-        self.subscribe_to_parts(topics.TICK_LEAD, self._on_lead)
+        if self.hears_past:
+            self.subscribe_to_parts(topics.TICK_PAST, self._on_past, Past)
+        else:
+            self.subscribe_to_parts(topics.TICK_LEAD, self._on_lead)
         self.create_protocol_subscription(topics.TICK_STATUS, self._on_status)
         for node in self.gate.after:
             self.hear_parts(node)
@@ -130,6 +134,23 @@ class ParticipantNode(HeaveNode):
             )
         self._begin_next()
 
+    def _on_past(self, past: Past, identity: str) -> None:
+        """Take in what the nodes that this one hears have sent in a few ticks, in the order of the clock master."""
+        if not self.has_started:
+            self._early.append(lambda: self._on_past(past, identity))
+            self._leave_foreign_run(past, identity)
+            return
+        expect_sender(identity, self._known.master)
+        heard = {entry: node for entry, node in enumerate(self._known.nodes) if node in self._ports.of_past}
+        try:
+            for entry, part in past.parts_of({0, *heard}):
+                if entry == 0:  # the clock master's come first
+                    self._on_lead(part, identity)
+                else:
+                    self.on_part(heard[entry], part, self._known.identity_of(heard[entry]))
+        except LayoutError:
+            raise ProtocolError("it cannot be decoded") from None
+
     def _on_lead(self, message: Part, identity: str) -> None:
         """Queue a tick. A tick that came before is the master asking again for an answer that it did not get."""
         if not self.has_started:
@@ -144,8 +165,8 @@ class ParticipantNode(HeaveNode):
         newest = self._starts[-1] if self._starts else self._done_with
         if newest is None or _order(message) > _order(newest):
             self._starts.append(message)
-            self.clock_of_run.tick_began(message.stamp, time.monotonic_ns())
             if not self.run.is_lockstep:
+                self.clock_of_run.tick_began(message.stamp, time.monotonic_ns())
                 self.punctuality.entered(message.stamp, self.protocol_times.sent, time.time_ns())
             if self._is_behind():
                 self._catch_up_soon()
@@ -202,7 +223,7 @@ class ParticipantNode(HeaveNode):
         text = f"{self._left_out} ticks left out: this node takes too long"
         return [Health("ticks", Level.WARN, text), *super().diagnose_timing()]
 
-    def _leave_foreign_run(self, message: Part, identity: str) -> None:
+    def _leave_foreign_run(self, message: Part | Past, identity: str) -> None:
         """End this node where the run that is under way began without it."""
         if self.run.is_lockstep and self._known.other_master == identity and message.tick > 1 + self.lag:
             self.fail(
@@ -223,7 +244,6 @@ class ParticipantNode(HeaveNode):
             self.epoch = start.epoch
         self.tick = Tick(start.tick, start.epoch, self.run.tick_nanoseconds)
         self.gate.begin(start.epoch, start.tick, start.published)
-        self.look_for_hearers()
         if not self.run.is_lockstep:
             self._deadline.reset()
         if start.flush:

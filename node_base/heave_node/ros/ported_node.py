@@ -38,12 +38,9 @@ from heave_node.ros.transport.strangers import Strangers
 from heave_node.tick.external_clock import ExternalClock
 from heave_node.tick.gate import Inbox, TickGate
 from heave_node.tick.malformed import ProtocolError
-from heave_node.tick.protocol import Part
+from heave_node.tick.protocol import Part, Past
 from heave_node.tick.simulated_clock import SimulatedClock
 from heave_node.tick.tick import Tick
-
-LOOK_EVERY = 10
-"""Ticks between two looks who hears the topics of a node by themselves: what nobody hears is not sent."""
 
 
 @dataclass
@@ -63,6 +60,7 @@ class PortedNode(LifecycleNode):
     name : node name
     parameters_type : parameter set of the node's own parameters (those of RunParameters are added)
     after : nodes whose part of a tick comes before this node's own
+    lag : ticks that the node may be behind the others; NOT_WAITED_FOR: nobody waits for it
 
     Attributes
     ----------
@@ -83,6 +81,7 @@ class PortedNode(LifecycleNode):
     parameters_type: ClassVar[type[Any]]
     after: ClassVar[tuple[str, ...]] = ()
     exchange: ClassVar[Exchange | None] = None
+    lag: int = 0
 
     def __init__(self) -> None:
         super().__init__(self.name, automatically_declare_parameters_from_overrides=True)
@@ -230,10 +229,9 @@ class PortedNode(LifecycleNode):
         return port.take(self.tick)
 
     def look_for_hearers(self) -> None:
-        """Look who hears the topics of this node by themselves, before tick 1 and every LOOK_EVERY ticks."""
-        if self.tick is None or self.tick.number % LOOK_EVERY == 0:
-            for output in (*self._ports.outputs, *self._ports.apart):
-                output.look()
+        """Look who hears the topics of this node by themselves: what nobody hears is not sent."""
+        for output in (*self._ports.outputs, *self._ports.apart):
+            output.look()
 
     def published_counts(self) -> list[int]:
         """Return the number of messages published so far on each output."""
@@ -241,11 +239,18 @@ class PortedNode(LifecycleNode):
 
     # Parts of ticks --------------------------------------------------------------------------------------------------
 
+    @property
+    def hears_past(self) -> bool:
+        """Whether the clock master passes on to this node what was sent, a few ticks at a time: it may be behind."""
+        return self.run.is_lockstep and self.lag > 0
+
     def hear_parts(self, node: str) -> None:
         """Take in the parts of ticks of a `node`, if it is a participant other than this one."""
         topic = topics.tick_part_topic(node)
         is_participant = node in self.run.participants and node not in self.run.external and node != self.name
-        if is_participant and self.resolve_topic_name(topic.name) not in self._ports.subscriptions:
+        if is_participant and self.hears_past and node not in self.run.foreign:
+            self._ports.of_past.add(node)
+        elif is_participant and self.resolve_topic_name(topic.name) not in self._ports.subscriptions:
             self.subscribe_to_parts(topic, lambda part, identity: self.on_part(node, part, identity))
             if node in self.run.foreign:
                 done = topics.tick_done_topic(node)
@@ -253,11 +258,16 @@ class PortedNode(LifecycleNode):
                     done, lambda part, identity: self.on_part(node, part, identity, is_whole=False), Part.of_done
                 )
 
-    def subscribe_to_parts(self, topic: Topic, callback: Callable[[Part, str], None]) -> None:
-        """Subscribe to a `topic` of parts; the start of the run waits for its publisher. `callback` gets each one."""
+    def subscribe_to_parts(
+        self, topic: Topic, callback: Callable[[Any, str], None], kind: type[Part] | type[Past] = Part
+    ) -> None:
+        """Subscribe to a `topic` of parts; the start of the run waits for its publisher.
 
-        def read(data: bytes | Part) -> Part:
-            return data if isinstance(data, Part) else Part.of(data)  # within a process it comes as it is
+        `callback` gets each message as a `kind`.
+        """
+
+        def read(data: bytes | Part | Past) -> Part | Past:
+            return kind.of(data) if isinstance(data, bytes) else data  # within a process it comes as it is
 
         name = self.resolve_topic_name(topic.name)
         self._ports.subscriptions[name] = self.create_protocol_subscription(topic, callback, read)
@@ -268,10 +278,13 @@ class PortedNode(LifecycleNode):
         Not `is_whole`: its messages come by themselves.
         """
 
-    def take_messages(self, node: str, number: int, part: Part) -> None:
-        """Let the gate take what a `part` of this `number` of a `node` carries. Raises ProtocolError for nonsense."""
+    def take_messages(self, node: str, number: int, part: Part) -> bool:
+        """Let the gate take what a `part` of this `number` of a `node` carries; return False where it had come before.
+
+        Raises ProtocolError for nonsense.
+        """
         try:
-            self.gate.take_part(node, number, part.messages)
+            return self.gate.take_part(node, number, part.messages)
         except (RuntimeError, ValueError):
             raise ProtocolError("it cannot be decoded") from None
 

@@ -173,6 +173,8 @@ class Input:
         is refused and counted; so is one that is older than the lifespan.
         """
         messages: list[tuple[int | None, Any]] = self._gate.take(self.topic)
+        if not (messages or self._ahead):
+            return messages
         if self.holds_ahead or self.settles:
             self._ahead.extend(messages)
             messages = self._due(tick.start_nanoseconds - self.settles)
@@ -223,6 +225,7 @@ class Ports:
     outputs: list[Output] = field(default_factory=list)  # in the order of their making; first that of the parts
     before: set[Any] = field(default_factory=set)  # what the node had of the middleware before it was configured
     apart: list[Output] = field(default_factory=list)  # outputs that are no part of ticks
+    of_past: set[str] = field(default_factory=set)  # nodes whose parts are taken from what the clock master passes on
     carried: list[tuple[int, bytes]] = field(default_factory=list)  # messages of this tick that wait for the part
     inputs: list[Input] = field(default_factory=list)  # in the order in which they were added
     timings: dict[str, InputTiming] = field(default_factory=dict)  # of inputs of external nodes, by topic

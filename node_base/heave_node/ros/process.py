@@ -36,7 +36,7 @@ EXIT_REFUSED = 2
 EXIT_STUCK = -signal.SIGALRM
 """Exit status, as a parent sees it, of a node that had done its work but was held up by the middleware."""
 
-DELIVERY_SLICE = 0.02
+DELIVERY_SLICE = 0.05
 """Wall time for which messages in memory are handed over before services and timers are served again [s]."""
 
 SHUTDOWN_TIMEOUT = 5

@@ -45,6 +45,7 @@ class Inbox:
     Attributes
     ----------
     is_carried : its messages come with the parts of their publishers: those that come by themselves are copies
+    waiting : messages that wait to be taken, oldest first
     """
 
     def __init__(
@@ -64,7 +65,7 @@ class Inbox:
         self._held: deque[tuple[bytes, str]] = deque(maxlen=_HELD)
         self.received = 0
         self._decode = decode
-        self._waiting: deque[Any] = deque()
+        self.waiting: deque[Any] = deque()
         self._recent: deque[bytes] = deque(maxlen=_REMEMBERED)
 
     def appoint(self, identities: Collection[str]) -> None:
@@ -107,13 +108,8 @@ class Inbox:
 
     def accept(self, data: bytes) -> None:
         """Take the bytes (`data`) of a message that is known to be new and lawful."""
-        self._waiting.append(self._decode(data))
+        self.waiting.append(self._decode(data))
         self.received += 1
-
-    @property
-    def holds_any(self) -> bool:
-        """Whether a message waits to be taken."""
-        return bool(self._waiting)
 
     def end_run(self) -> None:
         """Discard the bytes of past messages: the next run may begin with the same ones."""
@@ -122,9 +118,9 @@ class Inbox:
     def take(self, expected: int) -> list[Any]:
         """Return the messages not yet taken, up to number `expected` since the start; later ones stay in the inbox."""
         if self.received > expected:
-            return [self._waiting.popleft() for _ in range(len(self._waiting) - (self.received - expected))]
-        waiting = list(self._waiting)
-        self._waiting.clear()
+            return [self.waiting.popleft() for _ in range(len(self.waiting) - (self.received - expected))]
+        waiting = list(self.waiting)
+        self.waiting.clear()
         return waiting
 
 
@@ -292,7 +288,7 @@ class TickGate:
     def take(self, topic: str) -> list[Any]:
         """Return the new messages on `topic`; in lockstep those of the next tick stay in the inbox."""
         inbox = self.inboxes[topic]
-        return inbox.take(self._due(topic)) if inbox.holds_any else []
+        return inbox.take(self._due(topic)) if inbox.waiting else []
 
     def clear(self) -> None:
         """Drop the messages of this tick."""

@@ -7,7 +7,7 @@ TickDone, and whoever hears TickStart, TickDone or a topic gets those too.
 from __future__ import annotations
 
 import struct
-from collections.abc import Sequence
+from collections.abc import Collection, Iterator, Sequence
 from functools import lru_cache
 from struct import Struct
 from typing import NamedTuple
@@ -89,6 +89,32 @@ class Part(NamedTuple):
         """Return what the message TickDone `data` says. Raises LayoutError where it is no such message."""
         epoch, tick, lost, *published = _done_unpacker.unpack(data)
         return cls(tick, epoch, published, (), lost)
+
+
+class Past(NamedTuple):
+    """What the nodes sent in a few ticks, for those that may be behind: a TickPart that holds parts."""
+
+    tick: int  # number of the newest tick in it
+    epoch: int  # number of the run
+    # first entry of the sender in the roster, and its part, in the order of arrival; from elsewhere as it came
+    parts: Sequence[tuple[int, Part | bytes]]
+
+    def to_bytes(self) -> bytes:
+        """Return the message TickPart: each of its messages is a part, its output the entry."""
+        parts = [(entry, part.to_bytes() if isinstance(part, Part) else part) for entry, part in self.parts]
+        return Part(self.tick, self.epoch, (), parts).to_bytes()
+
+    @classmethod
+    def of(cls, data: bytes) -> Past:
+        """Return what the message TickPart `data` holds. Raises LayoutError where it is no such message."""
+        whole = Part.of(data)
+        return cls(whole.tick, whole.epoch, whole.messages)
+
+    def parts_of(self, entries: Collection[int]) -> Iterator[tuple[int, Part]]:
+        """Yield the parts of these `entries`. Raises LayoutError for one that is none."""
+        for entry, part in self.parts:
+            if entry in entries:
+                yield entry, part if isinstance(part, Part) else Part.of(part)
 
 
 _LENGTH = Struct("<I")

@@ -42,6 +42,7 @@ class Roster:
         self.participants: dict[str, Participant] = {}
         self._present: list[Participant] = []
         self._entries: list[tuple[str, str]] = []
+        self._first: dict[str, int] = {}
 
     def join(self, participant: Participant) -> None:
         """Take what a `participant` reports of itself; its progress is kept."""
@@ -99,6 +100,7 @@ class Roster:
     def freeze(self) -> None:
         """Fix the order of the counters: the run begins."""
         self._entries = [(p.name, topic) for p in self._present for topic in p.outputs]
+        self._first = {name: entry for entry, (name, _) in reversed([*enumerate(self._entries)])}
         for participant in self._present:
             participant.published = [0] * len(participant.outputs)
 
@@ -111,6 +113,10 @@ class Roster:
     def topics(self) -> list[str]:
         """Topic of each counter."""
         return [topic for _, topic in self._entries]
+
+    def entry_of(self, node: str) -> int:
+        """Return the first entry of a `node` that takes part."""
+        return self._first[node]
 
     @property
     def identities(self) -> list[str]:

@@ -19,10 +19,12 @@ from rclpy.task import Future
 
 from heave_node.interface import topics
 from heave_node.interface.topic import LASTING, Topic
-from heave_node.tick.protocol import Part
+from heave_node.tick.protocol import Part, Past
 
+Carried = bytes | Part | Past
+"""What travels: the bytes of a message, a part of a tick, or parts of a few."""
 Reader = Callable[[Any, str, int], None]
-"""Takes the bytes of a message or a part of a tick, the identity of the process that sent it, and when [ns]."""
+"""Takes what travels, the identity of the process that sent it, and when [ns]."""
 
 GLANCE = 0.1
 """Wall time between two messages of a topic that others get of it where not every one is published [s]."""
@@ -44,7 +46,7 @@ class LocalPublisher:
     def __init__(
         self,
         readers: list[Reader],
-        enqueue: Callable[[list[Reader], bytes | Part], None],
+        enqueue: Callable[[list[Reader], Carried], None],
         outside: Publisher[Any],
         period: float,
     ) -> None:
@@ -56,16 +58,18 @@ class LocalPublisher:
         self.topic_name = outside.topic_name
 
     def publish(self, message: object) -> None:
-        """Publish a `message`, the bytes of a serialised one, or a part of a tick, which its readers get as it is."""
-        data = message if isinstance(message, bytes | Part) else bytes(serialize_message(message))
+        """Publish a `message`, or what travels: its readers get it as it is."""
+        data = message if isinstance(message, Carried) else bytes(serialize_message(message))
         if self._readers:
             self._enqueue(self._readers, data)
         if self._period:
             now = time.monotonic()
-            if now - self._shown_at < self._period or not self._outside.get_subscription_count():
+            if now - self._shown_at < self._period:
                 return
             self._shown_at = now
-        self._outside.publish(data.to_bytes() if isinstance(data, Part) else data)
+            if not self._outside.get_subscription_count():
+                return
+        self._outside.publish(data if isinstance(data, bytes) else data.to_bytes())
 
     def get_subscription_count(self) -> int:
         """Return the number of readers, in this process and in others."""
@@ -105,7 +109,7 @@ class Exchange:
         self._identity = ""
         self._readers: defaultdict[str, list[Reader]] = defaultdict(list)
         self._publishers: defaultdict[str, list[LocalPublisher]] = defaultdict(list)
-        self._queue: deque[tuple[list[Reader], bytes | Part, int]] = deque()
+        self._queue: deque[tuple[list[Reader], Carried, int]] = deque()
         self.wake: Future[None] = Future()
 
     def add_publisher(self, topic: Topic, outside: Publisher[Any], identity: str) -> LocalPublisher:
@@ -130,7 +134,7 @@ class Exchange:
             else:
                 self._readers[member.topic_name].remove(member.reader)
 
-    def _enqueue(self, readers: list[Reader], data: bytes | Part) -> None:
+    def _enqueue(self, readers: list[Reader], data: Carried) -> None:
         self._queue.append((readers, data, time.time_ns()))
         if not self.wake.done():
             self.wake.set_result(None)
