@@ -52,7 +52,7 @@ def run_tests(tests: Sequence[str], folder: Path, *, quick: bool, processes: int
     command += [f"--junitxml={folder.resolve() / JUNIT}", *(["-m", "not slow and not long"] if quick else [])]
     command += ["-n", str(processes), "--dist", "loadfile"] if processes > 1 else []
     (folder / JUNIT).unlink(missing_ok=True)
-    with ProgressLine() as line, (folder / LOG).open("w", encoding="utf-8") as log:
+    with ProgressLine() as line, (folder / LOG).open("w", 1, encoding="utf-8") as log:
         child = subprocess.Popen(command, cwd=TREE, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
         assert child.stdout is not None
         try:
