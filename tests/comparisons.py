@@ -8,12 +8,13 @@ compares, in arrays, loops and examples, the one that uses most of its tolerance
 from __future__ import annotations
 
 import ast
+import cmath
 import json
 import math
 import sys
 from collections.abc import Iterator
 from functools import cache
-from numbers import Number
+from numbers import Complex
 from pathlib import Path
 from types import FrameType
 from typing import Any
@@ -74,10 +75,10 @@ Approx: type[Any] = type(pytest.approx(1.0))
 
 def equal(self: Any, actual: Any, of: Any = Approx.__eq__) -> bool:
     """Compare as pytest does (`of`) a number or an array `actual` with the expected one (`self`), and record it."""
-    if isinstance(actual, Number) and isinstance(self.expected, Number):
-        size, tolerance = float(abs(self.expected)), float(self.tolerance)  # type: ignore[arg-type]
-        is_relative = tolerance > float(self.abs or 0.0)
-        note(size, float(abs(actual - self.expected)), tolerance, 1, is_relative=is_relative)  # type: ignore[operator]
+    if isinstance(actual, Complex) and isinstance(self.expected, Complex) and not cmath.isnan(self.expected):
+        error = 0.0 if actual == self.expected else float(abs(actual - self.expected))
+        size, tolerance = float(abs(self.expected)), float(self.tolerance)
+        note(size, error, tolerance, 1, is_relative=tolerance > float(self.abs or 0.0))
     return bool(of(self, actual))
 
 
@@ -85,6 +86,7 @@ def all_close(actual: Any, desired: Any, rtol: float = 1e-7, atol: float = 0.0, 
     """Compare as numpy does (`numpy.testing.assert_allclose`, arguments as there), and record it."""
     sizes = np.abs(np.atleast_1d(desired)).astype(float)
     errors = np.abs(np.atleast_1d(actual) - np.atleast_1d(desired)).astype(float)
+    errors[np.broadcast_to(np.isnan(sizes), errors.shape) & np.isnan(np.atleast_1d(actual))] = 0.0  # as numpy does
     if errors.size:
         sizes = np.broadcast_to(sizes, errors.shape)
         tolerances = np.maximum(atol + rtol * sizes, sys.float_info.min)

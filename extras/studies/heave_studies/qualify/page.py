@@ -75,7 +75,9 @@ def _chapter(model: Model, verdicts: Sequence[Verdict]) -> dict[str, Any]:
     ]
     used = [float(one.worst["used"]) for one in verdicts if one.worst]
     ranges = {
-        name: " to ".join(f"{value:g}" for value in bounds) if isinstance(bounds, list) else bounds
+        name: " to ".join(dict.fromkeys(f"{value:g}".replace("e+0", "e") for value in bounds))
+        if isinstance(bounds, list)
+        else bounds
         for name, bounds in model.domain.items()
     }
     return {
@@ -83,7 +85,7 @@ def _chapter(model: Model, verdicts: Sequence[Verdict]) -> dict[str, Any]:
         "domain": [[name, DOMAIN[name], words] for name, words in ranges.items()],
         "claims": rows,
         "passed": sum(one.outcome == PASSED for one in verdicts),
-        "used": f"{100.0 * max(used):.0f} %" if used else "-",
+        "used": f"{100.0 * max(used):.2g} %" if used else "-",
     }
 
 
