@@ -10,6 +10,7 @@ set_up(
     parts={
         "heave.commands": [
             "identify = heave_studies.commands.identify",
+            "qualify = heave_studies.commands.qualify",
             "study = heave_studies.commands.study",
             "whatif = heave_studies.commands.whatif",
         ],

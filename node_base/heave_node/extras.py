@@ -10,7 +10,7 @@ from typing import Any
 PARTS: Mapping[str, Mapping[str, str]] = {
     "heave.commands": {
         **dict.fromkeys(("adapt", "import"), "devices"),
-        **dict.fromkeys(("study", "identify", "whatif"), "studies"),
+        **dict.fromkeys(("study", "identify", "whatif", "qualify"), "studies"),
         "static": "statics",
         **dict.fromkeys(("panel", "view"), "panel"),
         "fmu": "fmu",

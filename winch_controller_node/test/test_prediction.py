@@ -57,7 +57,7 @@ def test_the_lyapunov_prediction_equals_the_simulated_sigma_within_confidence():
         variances = [run[name] for run in runs]
         margin = 4.0 * np.std(variances, ddof=1) / math.sqrt(len(runs))  # Student's t of 5 degrees at 99 %
         assert margin < 0.7 * np.mean(variances)
-        assert abs(np.mean(variances) - predicted[name] ** 2) < margin, name
+        assert np.mean(variances) == pytest.approx(predicted[name] ** 2, abs=margin), name
 
 
 def test_the_filters_own_covariance_is_the_predicted_one():

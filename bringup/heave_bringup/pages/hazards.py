@@ -85,7 +85,7 @@ def page() -> str:
 
 def _section(number: int, one: Hazard) -> str:
     faults = [f"{device}: {', '.join(f'`{kind}`' for kind in kinds)}" for device, kinds in one.causes.items()]
-    modes = [f"{event.value}: {' or '.join(targets)}" for event in one.events if (targets := _targets(event))]
+    modes = [f"{event.value}: {' or '.join(targets)}" for event in one.events if (targets := targets_of(event))]
     rows = {
         "fault": "; ".join(faults),
         "cause": one.others,
@@ -101,12 +101,17 @@ def _section(number: int, one: Hazard) -> str:
     return "\n".join([f"## {number}. {one.name}", "", "|||", "|---|---|", *lines, ""])
 
 
-def _measured(one: Hazard) -> str:
-    """Return how soon the faults that cause a hazard were named, and the drum came to rest; empty: none was run."""
+def cases_of(one: Hazard) -> list[dict[str, Any]]:
+    """Return the cases of the newest matrix, by its columns, whose fault is a cause of a hazard; of all its effects."""
     sensors = tuple(name for name in SENSORS if any(code.endswith(f", {name.upper()}") for code in one.alarms))
     devices = {device: sensors if device == "sensor" else (device,) for device in one.causes}
     faults = {f"{name} {kind}" for device, kinds in one.causes.items() for name in devices[device] for kind in kinds}
-    shown = [case for case in _cases() if case["fault"] in faults and case["shows"]]
+    return [case for case in all_cases() if case["fault"] in faults]
+
+
+def _measured(one: Hazard) -> str:
+    """Return how soon the faults that cause a hazard were named, and the drum came to rest; empty: none was run."""
+    shown = [case for case in cases_of(one) if case["shows"]]
     if not shown:
         return ""
     named, rest = ([float(case[name]) for case in shown] for name in ("named", "rest"))
@@ -121,15 +126,19 @@ def _times(values: Sequence[float]) -> str:
     return f"{statistics.median(finite):.2g} s, {max(finite):.2g} s" if finite else "-"
 
 
-@cache
-def _cases() -> list[dict[str, Any]]:
-    """Return the cases of the matrix, of the newest commit in it, by its columns."""
+def newest_matrices() -> list[dict[str, Any]]:
+    """Return the campaigns of the newest commit of the matrix: commit, seed, command, columns and rows."""
     campaigns = json.loads(MATRIX.read_text(encoding="utf-8"))
-    newest = [one for one in campaigns if one["commit"] == campaigns[-1]["commit"]]
-    return [dict(zip(one["columns"], row, strict=True)) for one in newest for row in one["rows"]]
+    return [one for one in campaigns if one["commit"] == campaigns[-1]["commit"]]
 
 
-def _targets(event: Event) -> list[str]:
+@cache
+def all_cases() -> list[dict[str, Any]]:
+    """Return the cases of the newest matrix, by its columns."""
+    return [dict(zip(one["columns"], row, strict=True)) for one in newest_matrices() for row in one["rows"]]
+
+
+def targets_of(event: Event) -> list[str]:
     """Return the modes to which an event leads from others, each once, in the order of the table."""
     rows = [row for row in TABLE if row.event is event and row.sources != (row.target,)]
     return list(dict.fromkeys(row.target.value for row in rows))
