@@ -691,7 +691,7 @@ def test_a_drum_that_follows_later_or_sooner_than_stated_is_none_that_runs(late)
 
 @pytest.mark.parametrize("phase", [0.0, 0.7, 1.4, 2.1, 2.8, 3.5, 4.2, 4.9, 5.6])
 def test_a_count_that_stops_at_once_is_no_drum_that_runs(phase):
-    """What adds its steps up has a last digit of its own: a speed of 1e-16 m/s was one that gained by all of the stop."""
+    """Sums of its steps differ in the last digit: a speed of 1e-16 m/s was one that gained by all of the stop."""
     rig = Rig().settled()
     for _ in range(round(phase / DT)):
         rig.step()

@@ -88,10 +88,6 @@ double swing_of(const Cable &cable, const State &state) {
     return stretch * std::min(std::sqrt(state.measured.variance), cable.static_tension) / cable.stiffness;
 }
 
-}  // namespace
-
-namespace {
-
 // The unit on the nominal cable, a z'' + b z' + z = `top`, for a tick by the trapezoidal rule; a goes with the length.
 void move_unit(const Design &design, double payout, double top, double &heave, double &heave_rate) {
     const Cable &cable = design.cable;
