@@ -5,10 +5,11 @@ from dataclasses import replace
 
 import pytest
 from cable_sim_node.winch.component import make_drive
+from heave_bringup.closed_loop import ClosedLoop
 from heave_node.interface.alarm import alarms_in
 from heave_studies.promise.run import blamed_by
 
-from tests.loops import loop_of
+from tests.loops import fault, loop_of, quick_parameters
 
 CHANGED, DURATION = 120.0, 300.0
 """When the winch changes, and end of the run [s]."""
@@ -92,3 +93,18 @@ def test_a_winch_that_stays_as_it_is_gives_none():
     alarms = alarms_of()
     assert not parts_told(alarms)
     assert "winch" not in {alarm.row.part for _, alarm in alarms}
+
+
+@pytest.mark.parametrize(("kind", "size", "reason"), [("scale", -1.0, "jump"), ("nan", 0.0, "nan")])
+def test_a_sensor_that_is_lost_has_one_name_from_the_first_alarm_on(kind, size, reason):
+    """The first readings that are refused, the loss and the mode said three things of one event within 1.6 s."""
+    record = ClosedLoop(quick_parameters(fault("mru", kind, 25.0, size=size), duration=30.0)).run()
+    names = [(alarm.name, alarm.values.get("reason")) for time, alarm in record.alarms if time > 24.0]
+    assert [name for name, _ in names] == [f"SENSOR_LOST, MRU: {reason}", "COMPENSATION_LOST"]
+    assert str(names[-1][1]).startswith(f"mru {reason};")
+
+
+def test_one_reading_that_is_refused_is_told_once_the_next_is_not():
+    loop = ClosedLoop(quick_parameters(fault("mru", "nan", 25.0, lasting=0.04), duration=27.0))
+    told = [(time, alarm.name) for time, alarm in loop.run().alarms if time > 24.0]
+    assert told == [(pytest.approx(25.1, abs=0.06), "SENSOR_DOUBTFUL, MRU: one reading")]

@@ -689,6 +689,26 @@ def test_a_drum_that_follows_later_or_sooner_than_stated_is_none_that_runs(late)
     assert worst_excess(rig, 60.0) < 0.5 * BOUNDS["stroke_margin"]
 
 
+@pytest.mark.parametrize("phase", [0.0, 0.7, 1.4, 2.1, 2.8, 3.5, 4.2, 4.9, 5.6])
+def test_a_count_that_stops_at_once_is_no_drum_that_runs(phase):
+    """Sums of its steps differ in the last digit: a speed of 1e-16 m/s was one that gained by all of the stop."""
+    rig = Rig().settled()
+    for _ in range(round(phase / DT)):
+        rig.step()
+    assert worst_excess(rig, 3.0, count=rig.payout) < 0.5 * BOUNDS["stroke_margin"]
+    assert rig.orders[-1].cause == Cause.NOTHING
+
+
+@pytest.mark.parametrize("frozen", [0.7, 1.3, 2.0, 3.3, 4.3, 20.3])
+def test_a_count_that_goes_on_after_it_froze_is_no_drum_off_its_orders(frozen):
+    """All that the drum did meanwhile comes in one step, of up to the 0.95 m from crest to trough."""
+    rig = Rig().settled()
+    rig.run(frozen, count=rig.payout)
+    rig.run(3.0)
+    assert rig.orders[-1].cause == Cause.NOTHING
+    assert float(rig.envelope.state["position"][0]) == pytest.approx(rig.payout, abs=0.05)  # a tick's way
+
+
 @pytest.mark.parametrize("jump", [0.03, 0.08, 0.12, -0.12])
 def test_a_step_of_the_count_alone_is_no_drum_that_runs(jump):
     rig = Rig().settled()

@@ -184,13 +184,13 @@ def test_an_emergency_stop_brakes_at_once_and_waits_for_somebody():
 @pytest.mark.parametrize(
     ("fault", "mode", "words"),
     [
-        (WinchFault.DRIVE, Mode.STOPPED, "winch fault: drive; clear it, then request a mode"),
+        (WinchFault.DRIVE, Mode.STOPPED, "winch fault: drive; request a mode once it is cleared"),
         (
             WinchFault.EMERGENCY_STOP,
             Mode.EMERGENCY_STOP,
-            "winch fault: emergency stop; clear it, then request a mode",
+            "winch fault: emergency stop; request a mode once it is cleared",
         ),
-        (99, Mode.STOPPED, "winch fault: unknown fault 99; clear it, then request a mode"),
+        (99, Mode.STOPPED, "winch fault: unknown fault 99; request a mode once it is cleared"),
     ],
 )
 def test_a_fault_of_the_winch_brakes_is_told_in_words_and_is_not_forgiven_by_itself(fault, mode, words):

@@ -219,6 +219,15 @@ def test_an_encoder_jump_is_noticed_at_once_and_taken_off():
     assert count_at(taken[-1] + 0.1) == pytest.approx(1.375)
 
 
+def test_spikes_of_an_encoder_leave_no_offset_where_the_drum_goes_otherwise_than_the_winch_was_sent():
+    """Thirty while the drum pays out, at 0.8 of what was sent: 1 cm each stayed in the payout, 31 cm in all."""
+    gate, read = encoder_gate(), 0.0
+    for k in range(1, 610):
+        read = 0.42 * k * DT + 0.4 * (k % 20 == 19)
+        gate.judge(k * DT, ScalarReading(k * DT, read), 0.42 / 0.8)
+    assert gate.offset == pytest.approx(0.0, abs=1e-12)
+
+
 def test_a_drum_that_follows_the_sea_through_a_gap_of_the_encoder_has_not_jumped():
     """0.8 s without readings, in which the drum turns round; then an old one comes, and in the next tick the newest."""
     gate = EncoderGate(SensorTiming(DT, DT), HealthParameters(), tick_period=DT)

@@ -196,9 +196,10 @@ double way_beyond(const Design &design, const State &state, const Samples &sampl
     const double beyond_out = step - factor * out, beyond_in = factor * in - step;
     beyond.out = std::max(left * beyond.out + (counts_out ? beyond_out : std::min(beyond_out, 0.0)), 0.0);
     beyond.in = std::max(left * beyond.in + (counts_in ? beyond_in : std::min(beyond_in, 0.0)), 0.0);
-    const double gains = may_be_late ? design.envelope.stroke_gain : 0.0;
-    const double runs_out = std::max(beyond.out, step > 0.0 ? gains * (more - factor * outward) : 0.0);
-    const double runs_in = std::max(beyond.in, step < 0.0 ? gains * (factor * inward - more) : 0.0);
+    // one that stands gains nothing: the sums of its count do, by their last digits
+    const double gains = may_be_late ? design.envelope.stroke_gain : 0.0, rests = design.envelope.rest_speed * samples.time;
+    const double runs_out = std::max(beyond.out, step > rests ? gains * (more - factor * outward) : 0.0);
+    const double runs_in = std::max(beyond.in, step < -rests ? gains * (factor * inward - more) : 0.0);
     return runs_out > runs_in ? runs_out : -runs_in;
 }
 

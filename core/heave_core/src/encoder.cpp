@@ -73,8 +73,9 @@ int status_of(const SenseDesign &design, EncoderGate &encoder, double time, doub
     encoder.speed = step / elapsed;
     const bool is_other = is_thawing || std::abs(step - before * elapsed) > tolerance;
     if (!(std::abs(error) > tolerance && is_other)) return is_frozen ? FROZEN : GOOD;
-    encoder.offset += error;
-    encoder.jump = error;
+    const bool is_back = std::abs(error + encoder.jump) <= tolerance;  // as after a spike: where it was at first
+    encoder.jump = is_back ? -encoder.jump : error;
+    encoder.offset += encoder.jump;
     return JUMP;
 }
 

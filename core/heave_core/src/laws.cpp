@@ -43,10 +43,6 @@ double spared(const ActiveWinch &winch, const Law &law, const Problem &problem, 
     return clip(value, standing - step, standing + step);
 }
 
-}  // namespace
-
-namespace {
-
 // Rows of the plan without a correction; the law's numbers are by state. Returns the largest tension about the static one [N].
 double plan_freely(const Law &law, const double *x, LawState &state) {
     const int rows = law.ends[PLAN_KINDS - 1];

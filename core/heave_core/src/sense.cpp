@@ -192,8 +192,11 @@ int watch_sensors(const Core &core) {
     int news = 0;
     for (int sensor = 0; sensor < SENSORS; sensor++) {
         SensorGate &gate = core.state.gates[sensor];
-        int found = gate.level > gate.reported ? SENSOR_WORSE : 0;
-        gate.reported = gate.level;
+        // a reading that is refused is said to be one alone once the next is not; a jump that is taken off, at once
+        const bool is_told = gate.good_in_a_row > 0.0 || (gate.reason == JUMP && sensor != design.mru);
+        const double level = gate.level == SENSOR_SUSPECT && !is_told ? gate.reported : gate.level;
+        int found = level > gate.reported ? SENSOR_WORSE : 0;
+        gate.reported = level;
         if (design.sensors[sensor].is_watched && is_slow(design.health, gate.interval)) found |= SENSOR_SLOW;
         gate.news = found;
         news |= found;

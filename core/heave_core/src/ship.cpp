@@ -88,10 +88,6 @@ double swing_of(const Cable &cable, const State &state) {
     return stretch * std::min(std::sqrt(state.measured.variance), cable.static_tension) / cable.stiffness;
 }
 
-}  // namespace
-
-namespace {
-
 // The unit on the nominal cable, a z'' + b z' + z = `top`, for a tick by the trapezoidal rule; a goes with the length.
 void move_unit(const Design &design, double payout, double top, double &heave, double &heave_rate) {
     const Cable &cable = design.cable;
@@ -175,9 +171,11 @@ int observe_count(const Design &design, State &state, const Readings &readings, 
     state.time_since_count += dt;
     state.count_age += dt;
     if (!count_came(bounds, readings)) return state.count_age > bounds.count_time ? COUNT_LOST : 0;
-    const double sent = state.since_count, asked = state.asked_since_count, time = state.time_since_count;
-    const double step = readings.count - state.count;
+    const double sent = state.since_count, asked = state.asked_since_count, step = readings.count - state.count;
     const bool is_first = !std::isfinite(state.count);
+    // one that goes on after it froze makes in a step what the drum did meanwhile; what was sent then is not known
+    const bool thaws = state.count_age > bounds.count_time && state.still_time >= bounds.frozen_time && step != 0.0;
+    const double time = state.time_since_count + (thaws ? state.still_time : 0.0);
     const double fastest = std::min(design.winch.speed, bounds.largest_rate);  // a drive without a limit: as the boom tip
     const bool is_jump = !is_first && std::abs(step - sent) > fastest * time + bounds.count_step;
     state.count = readings.count;
@@ -207,8 +205,7 @@ int observe_count(const Design &design, State &state, const Readings &readings, 
     // the last order that came to it may have gone on
     const bool went_on = readings.drive == DRIVE_RESTS && time > bounds.count_time;
     const double expected = went_on ? step : is_held ? clip(step, std::min(sent, 0.0), std::max(sent, 0.0)) : sent;
-    state.residual += step - expected;
-    state.drift.off += step - expected;
+    if (!thaws) state.residual += step - expected, state.drift.off += step - expected;
     state.drift.way += step;
     state.drum_travel += std::abs(sent);
     state.count_age = 0.0;

@@ -27,7 +27,7 @@ REJECTED_WORDS = {
     "wrong stamp": "its time stamp is missing or ahead of the clock",
     "late": "it is out of order",
     "spike": "it is far from the estimate",
-    "jump": "it has jumped",
+    "jump": "heave has jumped",
     "status settling": "the sensor reports settling",
     "status invalid": "the sensor reports invalid",
 }

@@ -271,4 +271,4 @@ def _after_fault(now: Situation) -> str:
     """Return what becomes of a mode that a fault of the winch has ended, once that is cleared."""
     if now.resumes_after_fault:
         return f"compensation resumes automatically {WAIT:g} s after commands reach the winch again"
-    return "clear it, then request a mode"
+    return "request a mode once it is cleared"
