@@ -35,7 +35,7 @@ def false_words(record: LoopRecord, begin: float = 0.0) -> list[str]:
     for at, alarm in record.alarms:
         after = set(modes[(time >= at) & (time < at + SECOND)])
         changes = [one for when, one in record.alarms if at < when <= at + SECOND and one.code in CHANGES]
-        if at < begin or (changes and all(alarm.row.title not in str(one.values.get("reason")) for one in changes)):
+        if at < begin or (changes and all(alarm.code not in str(one.values.get("reason")) for one in changes)):
             continue  # something else has changed the mode meanwhile, and says so
         for claim, allowed in CLAIMS.items():
             holds = after <= set(allowed) if "continues" in claim else after & set(allowed)
