@@ -17,7 +17,6 @@ from heave_node.interface.alarm import NODE_ALARMS, AlarmRow, AlarmTable
 from wave_vessel_node.alarms import ALARMS as VESSEL
 from winch_controller_node.core.estimation.sense_design import BACK_TIME
 from winch_controller_node.core.supervision.modes import WAIT
-from winch_controller_node.core.supervision.supervision_design import BLIND_LIMIT
 from winch_controller_node.interface.alarms import ALARMS as CONTROLLER
 from winch_controller_node.node_parameters import MOTION_SOURCES
 from winch_controller_node.parameters.laws import GuardParameters, ModeParameters
@@ -50,7 +49,6 @@ VALUES = {
     "harm_percent": 100.0 * GuardParameters().harm_ratio,
     "back_time": BACK_TIME,
     "wait": WAIT,
-    "blind_minutes": BLIND_LIMIT / 60.0,
     "example": str(CONTROLLER.alarm("SENSOR_LOST, MRU: stale", age=0.31, limit=0.15)),
 }
 """What the head of the page may name in braces."""

@@ -51,7 +51,7 @@ QUANTITIES = {
         Quantity("winch.time_constant", "s", "winch.time_constant", absolute=0.02, label="time constant"),
         Quantity("winch.command_delay", "s", "winch.command_delay", absolute=0.02, label="command delay"),
         Quantity("winch.speed_gain", "", "winch.speed_gain", relative=0.02, label="gain by the encoder"),
-        Quantity("winch.hauling_gain", "", "winch.hauling_gain", relative=0.05, label="gain of hauling in over that"),
+        Quantity("winch.hauling_gain", "", "winch.hauling_gain", relative=0.05, label="relative gain hauling in"),
         Quantity("winch.creep", "m/s", "winch.creep", absolute=0.02, label="creep"),
         Quantity(SPEED_OUT, "m/s", "winch.speed_limit", relative=0.1, label="speed limit paying out"),
         Quantity(SPEED_IN, "m/s", "winch.speed_limit", relative=0.1, label="speed limit hauling in"),
@@ -62,7 +62,7 @@ QUANTITIES = {
             ACCELERATION_IN, "m/s^2", "winch.acceleration_limit", relative=0.1, label="acceleration limit hauling in"
         ),
         Quantity(DEADBAND, "m/s", absolute=0.01, label="dead zone"),
-        Quantity(BACKLASH, "m", absolute=0.005, label="encoder play"),
+        Quantity(BACKLASH, "m", absolute=0.005, label="encoder backlash"),
         Quantity(POWER_LIMIT, "W", "winch.power_limit", relative=0.1, label="power limit"),
         Quantity(ENCODER_SCALE, "", nominal=1.0, relative=0.03, alarm="IDENTIFIED, ENCODER: scale"),
         Quantity(DEPTH_SCALE, "", nominal=1.0, relative=0.05, alarm="IDENTIFIED, DEPTH: scale"),
