@@ -183,7 +183,7 @@ def diagnostic_alarms(
     ----------
     diagnostics : columns of the topic
     holding : what is known to the tick: `sensor_alarms`, `winch_faults`, and why the controller did not compensate
-        (`waits`). A sensor or fault that no alarm tells of is returned as it is
+        (`waits`). A sensor or fault that no alarm names is returned as it is
     has_modes : the controller's modes are known to the tick, and not reported here
     """
     lasting: dict[tuple[str, int], tuple[str, list[float]]] = {}
@@ -219,7 +219,7 @@ def _raised(time: float, text: str, level: int) -> list[Interval]:
 
 def _spans(raised: Sequence[Interval], known: Sequence[Sequence[Interval]]) -> list[Interval]:
     """Return the alarms that were `raised`, in order, each to the end of what it is about, by the first of what is
-    `known` that tells it, else until it is reported as restored.
+    `known` that names it, else until it is reported as restored.
 
     One that is raised again meanwhile in the same words is one.
     """
@@ -262,7 +262,7 @@ def _beside(held: Interval, others: Sequence[Interval]) -> Iterator[Interval]:
 
 
 def _is_told(held: Interval, raised: Sequence[Interval]) -> bool:
-    """Return whether an alarm of those that were `raised` tells of what is `held` so: of its code, or of its sensor."""
+    """Return whether an alarm of those that were `raised` names what is `held` so: of its code, or of its sensor."""
     told = {code.partition(", ")[2] or code for one in _beside(held, raised) if one.level for code in _codes(one)}
     return any((code.partition(", ")[2] or code) in told for code in _codes(held))
 
