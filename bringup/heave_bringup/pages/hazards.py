@@ -102,7 +102,7 @@ def _section(number: int, one: Hazard) -> str:
 
 
 def cases_of(one: Hazard) -> list[dict[str, Any]]:
-    """Return the cases of the newest matrix, by its columns, whose fault is a cause of a hazard (`one`), with all its effects."""
+    """Return all cases of the newest matrix, by its columns, whose fault is a cause of `one` hazard."""
     sensors = tuple(name for name in SENSORS if any(code.endswith(f", {name.upper()}") for code in one.alarms))
     devices = {device: sensors if device == "sensor" else (device,) for device in one.causes}
     faults = {f"{name} {kind}" for device, kinds in one.causes.items() for name in devices[device] for kind in kinds}

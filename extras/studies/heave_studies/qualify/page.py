@@ -90,7 +90,7 @@ def _chapter(model: Model, verdicts: Sequence[Verdict]) -> dict[str, Any]:
 
 
 def numbers(one: Mapping[str, Any] | None) -> tuple[str, ...]:
-    """Return error and tolerance of `one` comparison in words: SI, or in % of the reference where the test states it so."""
+    """Return error and tolerance of `one` comparison in words: SI, or in % of the reference where the test does so."""
     if one is None:
         return "-", "-"
     values = [one["error"], one["tolerance"]]
