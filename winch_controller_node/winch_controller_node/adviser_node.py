@@ -21,9 +21,6 @@ from winch_controller_node.beliefs.beliefs import latency_ticks
 from winch_controller_node.interface.alarms import ALARMS
 from winch_controller_node.node_parameters import WinchAdviserParameters, WinchControllerParameters
 
-REST = 0.01
-"""Wall time that messages of the protocol wait to be taken together [s]: a small share of the latency."""
-
 
 class WinchAdviserNode(ParticipantNode):
     """Answers each batch of `controller/observations` on `controller/beliefs`.
@@ -99,10 +96,6 @@ class WinchAdviserNode(ParticipantNode):
             if not self._fault:
                 self.get_logger().error(f"no more answers: {error}")
             self._fault = str(error)
-
-    def service_pause(self) -> float:
-        """See HeaveNode. In lockstep messages come together."""
-        return REST if self.has_started and not self.run.is_lockstep else 0.0
 
     def publish_diagnostics(self, tick: Tick) -> None:
         """Report in real time only: in lockstep how far it is behind at `tick` is chance."""

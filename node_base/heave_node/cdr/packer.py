@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from array import array
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
-from functools import lru_cache
 from struct import Struct
 from typing import Any, Protocol
 
@@ -107,18 +106,11 @@ class _Numbers:
         form.add("s", 1, count=count * self._group, alignment=self._dtype.itemsize if count else 1)
 
 
-@lru_cache(maxsize=_MOST_KEPT)
-def _encoded(text: str) -> tuple[int, bytes]:
-    """Return the length and the bytes of a text: most texts of a node come again and again."""
-    data = text.encode() + b"\0"
-    return len(data), data
-
-
 class _Text:
     def put(self, value: str, row: list[Any], lengths: list[int]) -> None:
-        length, data = _encoded(value)
-        row += (length, data)
-        lengths.append(length)
+        data = value.encode() + b"\0"
+        row += (len(data), data)
+        lengths.append(len(data))
 
     def lay_out(self, form: _Format) -> None:
         form.add("s", 1, count=form.add_length())

@@ -34,10 +34,7 @@ class InputTiming:
 
     def diagnose(self) -> list[Health]:
         """Return both as diagnostic statuses."""
-        return [
-            timing_health(f"interval {self.topic}", self.intervals),
-            timing_health(f"age {self.topic}", self.ages),
-        ]
+        return [timing_health(f"interval {self.topic}", self.intervals), timing_health(f"age {self.topic}", self.ages)]
 
 
 def timing_health(name: str, durations: Durations, **more: str) -> Health:

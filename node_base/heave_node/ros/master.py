@@ -8,6 +8,7 @@ when the others have answered.
 from __future__ import annotations
 
 import time
+from functools import partial
 from typing import Any, NamedTuple
 
 from heave_msgs.msg import TickJoin, TickRoster, TickStatus
@@ -24,6 +25,7 @@ from heave_node.interface.topic import Topic
 from heave_node.ros.diagnostics import Health, Level, alarm_health
 from heave_node.ros.input_timing import timing_health
 from heave_node.ros.node import HeaveNode, steady_clock
+from heave_node.ros.past import PassedOn
 from heave_node.ros.ports import Output
 from heave_node.ros.silence import MasterWaits, Patience
 from heave_node.ros.transport.exchange import LocalPublisher
@@ -34,7 +36,7 @@ from heave_node.ros.transport.real_time import after_tick
 from heave_node.tick import malformed
 from heave_node.tick.loop_timing import LoopTiming
 from heave_node.tick.malformed import ProtocolError, expect_no, expect_sender
-from heave_node.tick.protocol import Part, Past
+from heave_node.tick.protocol import Part
 from heave_node.tick.roster import NOT_WAITED_FOR, Participant, Roster
 from heave_node.tick.speakers import Speakers
 from heave_node.tick.tick import Tick
@@ -51,8 +53,6 @@ MISMATCH_PATIENCE = 0.5
 """Wall time for which publisher and reader must seem not to match before the run is refused [s]."""
 STOP_RECORDING_TIME = 3.0
 """Real time: wall time for which a run goes on after a node failed, so that the bag shows how the winch stops [s]."""
-PAST_TICKS, PAST_PERIOD = 5, 0.05
-"""Lockstep: ticks, or wall time [s], after which those that may be behind get what was sent meanwhile."""
 LAST_STATUS_TIMEOUT = Duration(seconds=2)
 """Wall time that the last status may take to be acknowledged by every subscriber."""
 
@@ -65,7 +65,7 @@ class _Protocol(NamedTuple):
     roster: Publisher[Any] | LocalPublisher
     status: Publisher[Any] | LocalPublisher
     start: Output  # of the tick, for nodes of other programs
-    past: Output  # of what was sent in a few ticks, for nodes that may be behind
+    past: PassedOn  # for nodes that may be behind
 
 
 class ClockMasterNode(HeaveNode):
@@ -99,17 +99,15 @@ class ClockMasterNode(HeaveNode):
         self._clock_started_at = 0.0
         self._waits = MasterWaits()
         self._lead = Part()
-        self._past = Past(0, 0, ())
-        self._passed_on: list[tuple[int, Part]] = []
-        self._passed_on_at = 0.0
         self._clock_output = self.add_output(topics.CLOCK)
+        past = topics.TICK_PAST
+        self._ports.outputs.append(Output(self.resolve_topic_name(past.name), self.make_publisher(past)))
         self._protocol = _Protocol(
             self.make_publisher(topics.TICK_ROSTER),
             self.make_publisher(topics.TICK_STATUS),
             self.add_apart(topics.TICK_START),
-            Output(self.resolve_topic_name(topics.TICK_PAST.name), self.make_publisher(topics.TICK_PAST)),
+            PassedOn(self._ports.outputs[-1], is_in_memory=self.exchange is not None),
         )
-        self._ports.outputs.append(self._protocol.past)
         self.create_protocol_subscription(topics.TICK_JOIN, self._on_join)
         for node in peers:
             self.hear_parts(node)
@@ -316,10 +314,12 @@ class ClockMasterNode(HeaveNode):
         self.gate.begin(self.epoch, tick.number, counters)
         self._lead = Part(tick.number, self.epoch, counters, carried, 0, tick.start_nanoseconds, flush)
         self._send_lead()
-        self._pass_on(self.name, self._lead)
-        if flush or tick.number % PAST_TICKS == 0 or time.monotonic() - self._passed_on_at > PAST_PERIOD:
+        self._protocol.past.add(0, self._lead)
+        if flush or self._protocol.past.is_due(tick.number):
             self._send_past()
-        self._report_recovery()
+        if self._waits.has_recovered():
+            self.get_logger().info("all nodes answer again")
+            self.publish_protocol_notice("all nodes answer again", Level.OK)
         self._waits.sent(self.run.resend_period)
 
     def _send_lead(self) -> None:
@@ -327,27 +327,13 @@ class ClockMasterNode(HeaveNode):
         if self._protocol.start.is_heard:
             self._protocol.start.publish_uncounted(self._lead.to_start())
 
-    def _pass_on(self, node: str, part: Part) -> None:
-        """Keep a `part` of a `node` for those that may be behind."""
-        if self._protocol.past.is_heard:
-            self._passed_on.append((self.roster.entry_of(node), part))
-
     def _send_past(self, *, again: bool = False) -> None:
-        """Send what waits for those that may be behind; `again`: where nothing does, what they were sent last."""
-        self._passed_on_at = time.monotonic()
-        if self._passed_on:
-            self._past, self._passed_on, again = Past(self.tick_number, self.epoch, self._passed_on), [], True
-        if again and self._past.parts:
-            self._protocol.past.publish_uncounted(self._past.to_bytes() if self.exchange is None else self._past)
+        self._protocol.past.send(self.tick_number, self.epoch, again=again)
 
     @property
     def part_topic(self) -> Topic:
         """See HeaveNode: the master's parts lead the others."""
         return topics.TICK_LEAD
-
-    @property
-    def _is_flushing(self) -> bool:
-        return self._lead.flush
 
     def on_part(self, node: str, part: Part, identity: str, *, is_whole: bool = True) -> None:
         """See HeaveNode."""
@@ -356,8 +342,8 @@ class ClockMasterNode(HeaveNode):
             return
         expect_sender(identity, participant.identity)
         expect_no(malformed.fault_in_part(part, len(participant.outputs)))
-        if is_whole and self.take_messages(node, part.published[0], part) and part.messages:
-            self._pass_on(node, part)
+        if is_whole and self.take_messages(node, part.published[0], part) and part.messages and self.run.is_lockstep:
+            self._protocol.past.add(participant.entry, part)
         if part.epoch == self.epoch:
             self.roster.answer(node, part.tick, part.published)
             participant.lost = part.lost
@@ -370,10 +356,10 @@ class ClockMasterNode(HeaveNode):
         tick = self.tick
         if self._stepped or tick is None or self.failure:
             return
-        if self.roster.unanswered(tick.number, flush=self._is_flushing) or not self._has_all_inputs():
+        if self.roster.unanswered(tick.number, flush=self._lead.flush) or not self._has_all_inputs():
             return
         self._stepped = True
-        if self._is_flushing:
+        if self._lead.flush:
             self._end_of_flush()
             return
         if self.run.is_lockstep:
@@ -386,7 +372,7 @@ class ClockMasterNode(HeaveNode):
         """Return whether all inputs of the tick are here; at the end in real time, whether no more of them come."""
         if self.gate.is_complete():
             return True
-        return self._is_flushing and not self.run.is_lockstep and self._patience.is_over(self.gate.lost())
+        return self._lead.flush and not self.run.is_lockstep and self._patience.is_over(self.gate.lost())
 
     def _begin_what_follows(self) -> None:
         """Go on after a tick: to the next one, to the end, to a pause or to a new run."""
@@ -407,22 +393,19 @@ class ClockMasterNode(HeaveNode):
         """
         began = time.monotonic()
         elapsed = round((began - self._clock_started_at) / self.run.tick_period)
-        while self.run_state == TickStatus.RUNNING and not self.failure and not self._is_flushing:
+        while self.run_state == TickStatus.RUNNING and not self.failure and not self._lead.flush:
             if self.tick_number >= elapsed or time.monotonic() - began > self.run.tick_period:
                 return
             at = time.perf_counter()
-            if self.tick is not None:
-                self._close_real_time_tick(self.tick)
+            tick = self.tick
+            if tick is not None:
+                self.timing.missed_deadlines += not self._stepped
+                self._stepped = True
+                self.fail_on_error(partial(self.on_advance, tick))
                 self._begin_what_follows()
             else:
                 self._begin_tick(1)
             self.work.add(time.perf_counter() - at)
-
-    def _close_real_time_tick(self, tick: Tick) -> None:
-        if not self._stepped:
-            self.timing.missed_deadlines += 1
-        self._stepped = True
-        self.fail_on_error(lambda: self.on_advance(tick))
 
     # Pause, step, reset --------------------------------------------------------------------------------------------
 
@@ -541,18 +524,18 @@ class ClockMasterNode(HeaveNode):
             self._warn_or_give_up(self._waits.age, "start_timeout", self._reason)
         elif not self._stepped:
             self._look_for_missing()
-            if self._is_flushing and not self.finished.done():
+            if self._lead.flush and not self.finished.done():
                 self._advance()
 
     def _look_for_missing(self) -> None:
         """Send an unanswered tick again, and name the nodes that have not answered."""
-        if (self.run.is_lockstep or self._is_flushing) and self._waits.is_resend_due():
+        if (self.run.is_lockstep or self._lead.flush) and self._waits.is_resend_due():
             self.timing.resends += 1
             self.send_again_alone(self._lead)
             self._publish_roster()
             self._send_lead()
             self._send_past(again=True)
-        behind = self.roster.unanswered(self.tick_number, flush=self._is_flushing)
+        behind = self.roster.unanswered(self.tick_number, flush=self._lead.flush)
         text = "; ".join(
             f"{p.name} has not finished tick {p.answered + 1}"
             + (f" (waiting for {p.waiting_for})" if p.waiting_for else "")
@@ -577,12 +560,6 @@ class ClockMasterNode(HeaveNode):
             warning = str(NODE_ALARMS.alarm("PARTICIPANT_LATE", time=waited, missing=text))
             self.get_logger().warning(warning)
             self.publish_protocol_notice(warning, Level.OK if is_starting else Level.ERROR)
-
-    def _report_recovery(self) -> None:
-        """End a report of late nodes on /diagnostics once the next tick begins."""
-        if self._waits.has_recovered():
-            self.get_logger().info("all nodes answer again")
-            self.publish_protocol_notice("all nodes answer again", Level.OK)
 
     def _publish_status(self) -> None:
         is_over = self.run_state in (TickStatus.ENDED, TickStatus.FAILED)

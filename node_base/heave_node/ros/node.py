@@ -113,7 +113,9 @@ class HeaveNode(PortedNode):
             self.fail(one_line(error, type(self)), error)
             return TransitionCallbackReturn.ERROR
         join_timer: Timer = self.create_timer(
-            JOIN_PERIOD, lambda: self._join_until_started(join_timer), clock=steady_clock()
+            JOIN_PERIOD,
+            lambda: join_timer.cancel() if self.has_started else self.publish_join(),
+            clock=steady_clock(),
         )
         return super().on_configure(state)
 
@@ -180,12 +182,6 @@ class HeaveNode(PortedNode):
     def is_ready(self) -> bool:
         """Return whether this node could begin tick 1."""
         return self.is_active
-
-    def _join_until_started(self, timer: Timer) -> None:
-        if self.has_started:
-            timer.cancel()
-        else:
-            self.publish_join()
 
     def publish_join(self, waiting_for: str = "") -> None:
         """Tell the clock master what this node publishes and subscribes to, and why it has ended where it has.
@@ -262,10 +258,9 @@ class HeaveNode(PortedNode):
             for topic, clock in self.clocks.items()
         ]
         for port in self._ports.inputs:
-            if port.early:
-                parts.append(alarm_health(f"input {port.name}", NODE_ALARMS.alarm("INPUT_EARLY", count=port.early)))
-            if port.late:
-                parts.append(alarm_health(f"input {port.name}", NODE_ALARMS.alarm("INPUT_LATE", count=port.late)))
+            for code, count in (("INPUT_EARLY", port.early), ("INPUT_LATE", port.late)):
+                if count:
+                    parts.append(alarm_health(f"input {port.name}", NODE_ALARMS.alarm(code, count=count)))
         return parts
 
     # Ends ----------------------------------------------------------------------------------------------------------
@@ -291,10 +286,6 @@ class HeaveNode(PortedNode):
         """End the spin loop."""
         if not self.finished.done():
             self.finished.set_result(None)
-
-    def service_pause(self) -> float:
-        """Return for how long callbacks may now wait to be served together [s of wall time]; see `spin`."""
-        return 0.0
 
     def on_idle(self) -> None:
         """Look at the wall clock; called a few times per second from the spin loop."""

@@ -36,7 +36,8 @@ def read_parameters(node: Node, parameters_type: type[Any]) -> tuple[RunParamete
         For an unknown name, a wrong type, a value out of range, and for a parameter file that has nothing for this
         node.
     """
-    files = [(path, read_sections(path)) for path in _parameter_files(sys.argv)]
+    given_files = [Path(sys.argv[i + 1]) for i, word in enumerate(sys.argv[:-1]) if word == "--params-file"]
+    files = [(path, read_sections(path)) for path in given_files]
     for path, sections in files:
         check_concerned(path, sections, node.get_fully_qualified_name())
     given = _given(node, files)
@@ -119,10 +120,6 @@ def _descriptor(info: ParameterInfo) -> ParameterDescriptor:
 def plain_value(value: Any) -> object:
     """Return a parameter value of rclpy as plain Python (its arrays are array.array)."""
     return list(value) if hasattr(value, "__iter__") and not isinstance(value, str) else value
-
-
-def _parameter_files(arguments: Sequence[str]) -> list[Path]:
-    return [Path(arguments[i + 1]) for i, argument in enumerate(arguments[:-1]) if argument == "--params-file"]
 
 
 def launch_parameters(given: Mapping[str, str]) -> list[str | dict[str, bool]]:

@@ -168,23 +168,16 @@ class ParticipantNode(HeaveNode):
             if not self.run.is_lockstep:
                 self.clock_of_run.tick_began(message.stamp, time.monotonic_ns())
                 self.punctuality.entered(message.stamp, self.protocol_times.sent, time.time_ns())
-            if self._is_behind():
-                self._catch_up_soon()
+            if not self.run.is_lockstep and self.punctuality.newest_of_node > self.run.tick_period:
+                # held up: each tick that is made up for shall see its own readings, which come in first
+                if self._catch_up.is_canceled():
+                    self._catch_up.reset()
             elif len(self._starts) == 1:
                 self._begin_next()
             elif not self.run.is_lockstep and self._is_in_tick() and not self._is_taking_in():
                 self._step()
         elif _order(message) == _order(newest):
             self._answer_again()
-
-    def _is_behind(self) -> bool:
-        """Return whether this node, in real time, was held up for longer than a tick."""
-        return not self.run.is_lockstep and self.punctuality.newest_of_node > self.run.tick_period
-
-    def _catch_up_soon(self) -> None:
-        """Let what was delivered meanwhile come in first: each tick that is made up for shall see its own readings."""
-        if self._catch_up.is_canceled():
-            self._catch_up.reset()
 
     def _is_taking_in(self) -> bool:
         """Return whether a node that is behind takes messages in, before it does any tick."""

@@ -39,6 +39,7 @@ from heave_node.tick.external_clock import ExternalClock
 from heave_node.tick.gate import Inbox, TickGate
 from heave_node.tick.malformed import ProtocolError
 from heave_node.tick.protocol import Part, Past
+from heave_node.tick.roster import NOT_WAITED_FOR
 from heave_node.tick.simulated_clock import SimulatedClock
 from heave_node.tick.tick import Tick
 
@@ -139,12 +140,8 @@ class PortedNode(LifecycleNode):
         topic : its name, type, publisher and role
         fields : dotted names of the numbers that are read: the input gives a WireReading of each message, which takes a
             tenth of the time of a whole one. None: it gives messages
-        check_stamps : refuse messages that are stamped in the future or out of order
-        lifespan : real time: messages older than this are late and not used [s]
-        holds_ahead : real time: what was measured after the start of a tick waits for the next one, also where this
-            node is behind the others
-        settles : lockstep: a message is taken in the tick after the one that it is stamped with, however early it came:
-            so a run depends on its seed alone also where the publisher may lag
+        check_stamps, lifespan, holds_ahead, settles : see Input. Lifespan and holds_ahead count in real time, settles
+            in lockstep: so a run depends on its seed alone also where the publisher may lag
         """
         is_external = self.run.is_external(topic)
         life = math.inf if self.run.is_lockstep else lifespan
@@ -242,7 +239,7 @@ class PortedNode(LifecycleNode):
     @property
     def hears_past(self) -> bool:
         """Whether the clock master passes on to this node what was sent, a few ticks at a time: it may be behind."""
-        return self.run.is_lockstep and self.lag > 0
+        return self.lag == NOT_WAITED_FOR or (self.run.is_lockstep and self.lag > 0)
 
     def hear_parts(self, node: str) -> None:
         """Take in the parts of ticks of a `node`, if it is a participant other than this one."""

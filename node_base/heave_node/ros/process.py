@@ -131,7 +131,7 @@ def _start(node: HeaveNode) -> None:
 
 def _spin_one(nodes: Sequence[HeaveNode]) -> None:
     (node,) = nodes
-    node.fail_on_error(lambda: spin(node, node.finished, lambda: _on_idle(node), node.service_pause))
+    node.fail_on_error(lambda: spin(node, node.finished, lambda: _on_idle(node)))
     _leave(node)
 
 

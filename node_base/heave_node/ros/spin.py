@@ -8,7 +8,6 @@ slices a node may check the wall clock.
 from __future__ import annotations
 
 import inspect
-import time
 from collections.abc import Callable
 from typing import Any
 
@@ -21,8 +20,6 @@ from heave_node.ros.transport.identity import identity_of_sender
 
 IDLE_PERIOD = 0.2
 """Wall time between two calls of `on_idle` [s]."""
-SERVICE_SLICE = 0.006
-"""Wall time for which callbacks are served between two pauses [s]."""
 
 
 _WITH_INFORMATION = inspect.Signature(
@@ -78,9 +75,7 @@ class Spinner:
         self._executor.shutdown()
 
 
-def spin(
-    node: Node, finished: Future[Any], on_idle: Callable[[], None], service_pause: Callable[[], float] = lambda: 0.0
-) -> None:
+def spin(node: Node, finished: Future[Any], on_idle: Callable[[], None]) -> None:
     """Serve the callbacks of `node` until `finished` completes or the context is shut down.
 
     Parameters
@@ -88,20 +83,12 @@ def spin(
     node : whose callbacks are served
     finished : ends the loop when it completes
     on_idle : called every IDLE_PERIOD, to check the wall clock
-    service_pause : returns how long callbacks may wait after each SERVICE_SLICE [s], to be served together: a node that
-        no other node waits for need not wake up for every message and take the processor from the others
     """
     spinner = Spinner(node)
     try:
-        looked_at = time.monotonic()
         while rclpy.ok() and not finished.done():
-            pause = service_pause()
-            spinner.spin_for(SERVICE_SLICE if pause else IDLE_PERIOD, until=finished)
-            if finished.done():
-                break
-            time.sleep(pause)
-            if not pause or time.monotonic() - looked_at >= IDLE_PERIOD:
-                looked_at = time.monotonic()
+            spinner.spin_for(IDLE_PERIOD, until=finished)
+            if not finished.done():
                 on_idle()
     finally:
         spinner.close()

@@ -16,7 +16,6 @@ from __future__ import annotations
 
 import math
 from collections import deque
-from collections.abc import Sequence
 
 import numpy as np
 
@@ -166,7 +165,8 @@ class ExternalClock:
     @property
     def largest_delay(self) -> float:
         """Largest delay of the last messages beyond the least one [s]."""
-        return _spread(self._delays)
+        is_known = self._delays and all(map(math.isfinite, self._delays))
+        return max(self._delays) - min(self._delays) if is_known else 0.0
 
     def describe(self) -> str:
         """Return the active rule, and what was estimated, in words."""
@@ -194,7 +194,3 @@ def detect(stamp: int, arrival: int) -> ClockRule:
     if stamp == 0:
         return ClockRule.NONE
     return ClockRule.SIMULATED if abs(stamp - arrival) <= _NEAR else ClockRule.OWN
-
-
-def _spread(delays: Sequence[float]) -> float:
-    return max(delays) - min(delays) if delays and all(map(math.isfinite, delays)) else 0.0

@@ -146,7 +146,7 @@ class TickGate:
         self._started: Sequence[int] = ()
         self._done: dict[str, tuple[tuple[int, int], Sequence[int]]] = {}
         self._plain: list[tuple[Inbox, int]] = []
-        self._others: list[tuple[Inbox, list[tuple[str, int, int]]]] = []
+        self._others: list[Inbox] = []
         self._lacking: list[tuple[Inbox, int]] | None = None
         self._before: dict[str, int] = {}
 
@@ -187,7 +187,7 @@ class TickGate:
         rows = [(self.inboxes[topic], publishers) for topic, publishers in self._publishers.items()]
         is_plain = [len(row) == 1 and row[0][0] not in self.after for _, row in rows]
         self._plain = [(box, row[0][1]) for (box, row), plain in zip(rows, is_plain, strict=True) if plain]
-        self._others = [row for row, plain in zip(rows, is_plain, strict=True) if not plain]
+        self._others = [box for (box, _), plain in zip(rows, is_plain, strict=True) if not plain]
         self._lacking = None
 
     def begin(self, epoch: int, tick: int, published: Sequence[int]) -> None:
@@ -233,12 +233,8 @@ class TickGate:
 
     def expected(self, topic: str) -> int:
         """Return how many messages on `topic` since the start this node must have in this tick."""
-        return self._count(self._publishers.get(topic, ()))
-
-    def _count(self, publishers: Sequence[tuple[str, int, int]]) -> int:
-        """Return how many messages the entries of `publishers` stand for, by the newest counts."""
         total, started, done = 0, self._started, self._done
-        for node, entry, position in publishers:
+        for node, entry, position in self._publishers.get(topic, ()):
             count = started[entry] if started else 0
             if node in done:
                 count = max(count, done[node][1][position])
@@ -254,7 +250,7 @@ class TickGate:
             started = self._started
             plain = self._plain if started else ()
             self._lacking = [(box, started[entry]) for box, entry in plain if box.received < started[entry]]
-            counted = [(box, self._count(publishers)) for box, publishers in self._others]
+            counted = [(box, self.expected(box.topic)) for box in self._others]
             self._lacking += [(box, count) for box, count in counted if box.received < count]
         lacking = self._lacking  # called after each message, so complete inputs are not checked again
         while lacking and lacking[-1][0].received >= lacking[-1][1]:

@@ -29,6 +29,7 @@ class Participant:
     lost: int = 0  # messages of the run that never came to it, as it says at the end
     identity: str = ""  # of its process
     host: str = ""  # name of its machine
+    entry: int = 0  # first one of its counters in the roster
 
 
 class Roster:
@@ -42,7 +43,6 @@ class Roster:
         self.participants: dict[str, Participant] = {}
         self._present: list[Participant] = []
         self._entries: list[tuple[str, str]] = []
-        self._first: dict[str, int] = {}
 
     def join(self, participant: Participant) -> None:
         """Take what a `participant` reports of itself; its progress is kept."""
@@ -78,10 +78,10 @@ class Roster:
     def _unmatched(self) -> list[str]:
         """Return in words which participants do not see each other on a topic yet."""
         lacking = []
-        readers = self._readers()
+        readers = Counter(topic for participant in self._present for topic in participant.inputs)
         for participant in self._present:
             for topic, matched in participant.outputs.items():
-                expected = readers.get(topic, 0)
+                expected = readers[topic]
                 if matched < expected:
                     lacking.append(f"{participant.name} sees {matched} of {expected} subscribers of {topic}")
             for topic, matched in participant.inputs.items():
@@ -90,19 +90,12 @@ class Roster:
                     lacking.append(f"{participant.name} sees {matched} of {expected} publishers of {topic}")
         return lacking
 
-    def _readers(self) -> dict[str, int]:
-        readers: dict[str, int] = {}
-        for participant in self._present:
-            for topic in participant.inputs:
-                readers[topic] = readers.get(topic, 0) + 1
-        return readers
-
     def freeze(self) -> None:
         """Fix the order of the counters: the run begins."""
         self._entries = [(p.name, topic) for p in self._present for topic in p.outputs]
-        self._first = {name: entry for entry, (name, _) in reversed([*enumerate(self._entries)])}
         for participant in self._present:
             participant.published = [0] * len(participant.outputs)
+            participant.entry = self.nodes.index(participant.name)
 
     @property
     def nodes(self) -> list[str]:
@@ -113,10 +106,6 @@ class Roster:
     def topics(self) -> list[str]:
         """Topic of each counter."""
         return [topic for _, topic in self._entries]
-
-    def entry_of(self, node: str) -> int:
-        """Return the first entry of a `node` that takes part."""
-        return self._first[node]
 
     @property
     def identities(self) -> list[str]:

@@ -39,16 +39,13 @@ def exposed_ports(domain: int, inherited: Collection[str] = ()) -> list[str]:
 def own_sockets() -> set[str]:
     """Return the inodes of the sockets that this process has open."""
     own = set()
-    for descriptor in _files_in(Path("/proc/self/fd")):
+    folder = Path("/proc/self/fd")
+    for descriptor in list(folder.iterdir()) if folder.is_dir() else []:
         with suppress(OSError):  # closed meanwhile
             name = str(descriptor.readlink())
             if name.startswith("socket:["):
                 own.add(name[len("socket:[") : -1])
     return own
-
-
-def _files_in(folder: Path) -> list[Path]:
-    return list(folder.iterdir()) if folder.is_dir() else []
 
 
 def _bound_sockets() -> list[tuple[ipaddress.IPv4Address | ipaddress.IPv6Address, int, str]]:
@@ -57,12 +54,8 @@ def _bound_sockets() -> list[tuple[ipaddress.IPv4Address | ipaddress.IPv6Address
     for table in (Path("/proc/self/net/udp"), Path("/proc/self/net/udp6")):
         for line in table.read_text().splitlines()[1:] if table.exists() else []:
             fields = line.split()
-            address, _, port = fields[1].partition(":")
-            found.append((_address_of(address), int(port, 16), fields[9]))
+            text, _, port = fields[1].partition(":")
+            # words of 32 bits, each in the byte order of the machine
+            words = [int(text[i : i + 8], 16).to_bytes(4, sys.byteorder) for i in range(0, len(text), 8)]
+            found.append((ipaddress.ip_address(b"".join(words)), int(port, 16), fields[9]))
     return found
-
-
-def _address_of(text: str) -> ipaddress.IPv4Address | ipaddress.IPv6Address:
-    """Return an address of the kernel's tables: words of 32 bits, each in the byte order of the machine."""
-    words = [int(text[i : i + 8], 16).to_bytes(4, sys.byteorder) for i in range(0, len(text), 8)]
-    return ipaddress.ip_address(b"".join(words))
