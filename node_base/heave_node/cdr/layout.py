@@ -220,16 +220,11 @@ class MessageLayouts:
         }
         if missing:
             raise LayoutError(f"the definition of {name} lacks {', '.join(sorted(missing))}")
-        if self._depth() > DEEPEST_TYPE:
-            raise LayoutError(f"the definition of {name} nests types more than {DEEPEST_TYPE} deep")
-
-    def _depth(self) -> int:
-        """Return how deeply types are nested, up to one more than is allowed."""
-        depth, level = 0, {self._root}
-        while level and depth <= DEEPEST_TYPE:
+        level = {self._root}
+        for _ in range(DEEPEST_TYPE):
             level = {member.type for kind in level for member in self._types[kind] if member.type not in PRIMITIVES}
-            depth += 1
-        return depth
+        if level:
+            raise LayoutError(f"the definition of {name} nests types more than {DEEPEST_TYPE} deep")
 
     @property
     def has_header(self) -> bool:

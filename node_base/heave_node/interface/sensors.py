@@ -162,10 +162,6 @@ def _decode_depth(numbers: Sequence[float], water: Water) -> Numbers:
     return ((numbers[0] - ATMOSPHERIC_PRESSURE) / per_metre,)
 
 
-def _encode_load_cell(reading: Reading, _: Water) -> Numbers:
-    return float(reading.value[0]), float(reading.sigma[0])
-
-
 _MRU_FIELDS = (
     *("heave", "heave_rate", "roll", "pitch", "status", "sequence"),
     *("heave_acceleration", "heave_sigma", "heave_rate_sigma"),
@@ -173,10 +169,6 @@ _MRU_FIELDS = (
 """Fields of the message, in the order of `MruReading` after its time."""
 
 _numbers_of_mru = attrgetter(*_MRU_FIELDS)
-
-
-def _encode_mru(reading: MruReading, _: Water) -> Numbers:
-    return _numbers_of_mru(reading)  # type: ignore[no-any-return]
 
 
 def mru_reading(reading: WireReading) -> MruReading:
@@ -192,7 +184,7 @@ MRU = Sensor(
     largest=(("heave", 30.0), ("heave_rate", 30.0), ("roll", 1.6), ("pitch", 1.6)),
     may_be_missing=("heave_rate",),
     values=_MRU_FIELDS,
-    encode=_encode_mru,
+    encode=lambda reading, _: _numbers_of_mru(reading),
 )
 """Motion reference unit: the boom tip; its readings are `MruReading`."""
 
@@ -255,7 +247,7 @@ LOAD_CELL = Sensor(
     largest=(("tension", 1e8),),
     values=("tension",),
     accuracies=("tension_sigma",),
-    encode=_encode_load_cell,
+    encode=lambda reading, _: (float(reading.value[0]), float(reading.sigma[0])),
 )
 """Load cell at the boom tip: top tension [N]."""
 

@@ -25,8 +25,7 @@ from heave_node.interface.topic import Topic
 from heave_node.ros.diagnostics import Health, Level, alarm_health
 from heave_node.ros.input_timing import timing_health
 from heave_node.ros.node import HeaveNode, steady_clock
-from heave_node.ros.past import PassedOn
-from heave_node.ros.ports import Output
+from heave_node.ros.ports import Output, PassedOn
 from heave_node.ros.silence import MasterWaits, Patience
 from heave_node.ros.transport.exchange import LocalPublisher
 from heave_node.ros.transport.host_clocks import HostClocks
@@ -356,7 +355,11 @@ class ClockMasterNode(HeaveNode):
         tick = self.tick
         if self._stepped or tick is None or self.failure:
             return
-        if self.roster.unanswered(tick.number, flush=self._lead.flush) or not self._has_all_inputs():
+        if self.roster.unanswered(tick.number, flush=self._lead.flush):
+            return
+        # at the end in real time no more of what is missing may come
+        is_last = self._lead.flush and not self.run.is_lockstep
+        if not (self.gate.is_complete() or (is_last and self._patience.is_over(self.gate.lost()))):
             return
         self._stepped = True
         if self._lead.flush:
@@ -367,12 +370,6 @@ class ClockMasterNode(HeaveNode):
             self._begin_what_follows()
         else:
             after_tick()
-
-    def _has_all_inputs(self) -> bool:
-        """Return whether all inputs of the tick are here; at the end in real time, whether no more of them come."""
-        if self.gate.is_complete():
-            return True
-        return self._lead.flush and not self.run.is_lockstep and self._patience.is_over(self.gate.lost())
 
     def _begin_what_follows(self) -> None:
         """Go on after a tick: to the next one, to the end, to a pause or to a new run."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import time
 from collections import deque
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
@@ -21,7 +22,11 @@ from heave_node.ros.input_timing import InputTiming
 from heave_node.ros.transport.exchange import LocalPublisher, LocalSubscription
 from heave_node.ros.transport.qos import STREAM_DEPTH
 from heave_node.tick.gate import TickGate
+from heave_node.tick.protocol import Part, Past
 from heave_node.tick.tick import Tick, nanoseconds_of, stamp_of
+
+PAST_TICKS, PAST_PERIOD = 5, 0.05
+"""Ticks, or wall time [s], after which what was sent meanwhile is passed on."""
 
 
 class Output:
@@ -78,6 +83,39 @@ class Output:
         """Send a `message` that is part of no tick."""
         if self._publisher is not None:
             self._publisher.publish(message)
+
+
+class PassedOn:
+    """Passes on to nodes that may be behind what was sent in a few ticks, in one message.
+
+    Parameters
+    ----------
+    output : takes them
+    is_in_memory : the nodes that hear it are in this process, and get them as they are
+    """
+
+    def __init__(self, output: Output, *, is_in_memory: bool) -> None:
+        self._output, self._is_in_memory = output, is_in_memory
+        self._waiting: list[tuple[int, Part]] = []
+        self._sent_at = 0.0
+        self._last = Past(0, 0, ())
+
+    def add(self, entry: int, part: Part) -> None:
+        """Keep a `part`, of the node whose first entry in the roster is `entry`, for those that hear."""
+        if self._output.is_heard:
+            self._waiting.append((entry, part))
+
+    def is_due(self, tick: int) -> bool:
+        """Return whether what waits is to be sent now, in the `tick` of this number."""
+        return tick % PAST_TICKS == 0 or time.monotonic() - self._sent_at > PAST_PERIOD
+
+    def send(self, tick: int, epoch: int, *, again: bool = False) -> None:
+        """Send what waits, in a `tick` of an `epoch`; `again`: where nothing does, what was sent last."""
+        self._sent_at = time.monotonic()
+        if self._waiting:
+            self._last, self._waiting, again = Past(tick, epoch, self._waiting), [], True
+        if again and self._last.parts:
+            self._output.publish_uncounted(self._last if self._is_in_memory else self._last.to_bytes())
 
 
 Decoder = Callable[[bytes], tuple[int | None, Any]]

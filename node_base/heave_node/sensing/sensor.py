@@ -67,19 +67,14 @@ class Sensor:
     def step(self, tick: int, truth: Any) -> tuple[Reading, ...]:
         """Look at the `truth` of t_k and return the readings delivered at `tick`, oldest delivery first."""
         time = tick * self._tick_period
-        noise = self._draw()
+        if not self._noise:  # of the next ticks, of standard deviation 1
+            self._noise = list(self._random.standard_normal((_DRAWN_AT_ONCE, self._ones.size))[::-1])
+        noise = self._noise.pop()
         if self._is_due(time) and not self.faults.is_active("gap", time):
             view = self._parameters.view(truth)
             if view.is_available:
                 self._measure(time, view, noise)
         return self._deliver(time)
-
-    def _draw(self) -> Array:
-        """Return the noise of the next tick, of standard deviation 1."""
-        if not self._noise:
-            rows = self._random.standard_normal((_DRAWN_AT_ONCE, self._ones.size))
-            self._noise = list(rows[::-1])
-        return self._noise.pop()
 
     def _is_due(self, time: float) -> bool:
         """Return whether a sample is taken at `time`, and note when the next one is."""

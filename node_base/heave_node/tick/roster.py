@@ -93,9 +93,10 @@ class Roster:
     def freeze(self) -> None:
         """Fix the order of the counters: the run begins."""
         self._entries = [(p.name, topic) for p in self._present for topic in p.outputs]
+        entry = 0
         for participant in self._present:
-            participant.published = [0] * len(participant.outputs)
-            participant.entry = self.nodes.index(participant.name)
+            participant.published, participant.entry = [0] * len(participant.outputs), entry
+            entry += len(participant.outputs)
 
     @property
     def nodes(self) -> list[str]:
