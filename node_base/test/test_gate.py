@@ -161,6 +161,7 @@ def test_answers_are_idempotent_and_a_laggard_may_lag():
     assert roster.unanswered(4) == []
     assert [p.name for p in roster.unanswered(4, flush=True)] == ["recorder"]
     assert roster.published_by_topic() == {"/a": 7, "/b": 8}
+    assert [participant.entry for participant in roster.participants.values()] == [0, 2]
 
 
 def test_nobody_waits_for_a_node_beside_the_ticks_not_even_at_the_end():
