@@ -273,7 +273,7 @@ def test_an_answer_is_near_to_what_then_was():
 
 @pytest.mark.long
 def test_a_law_at_the_limits_of_a_winch_that_nobody_knew_of_is_refused_not_answered_wrongly(monkeypatch):
-    """A winch of 0.55 m/s is stated as one of 2 m/s: the efficiency of `industrial` was 36 points off, and outside its band."""
+    """Of 0.55 m/s, stated as 2 m/s: the efficiency of `industrial` was 36 points off, and outside its band."""
     monkeypatch.setattr(campaign, "DURATION", 180.0)
     settings = ("virtual_winch.speed_limit=0.55", "virtual_winch.hauling_speed_share=1.0")
     draw = Draw(0, "b3_deep_900", 1, "mpc", ("industrial",), settings, "0.55 m/s")
