@@ -172,7 +172,9 @@ def run_draw(draw: Draw, draws: int) -> tuple[list[Pair], str]:
     others = [drawn(known, draw.seed, number) for number in range(draws)]
     found = answers(known, [_asked(nominal, law) for law in draw.asked], others)
     sigmas = recorded(known).values["unit_sigma_m"], truth.unit_sigma(TRANSIENT)
-    pairs = [_pair(draw, known, one, truth.uncompensated_sigma(TRANSIENT), sigmas) for one in found]
+    off, given = truth.uncompensated_sigma(TRANSIENT), [one for one in found if not one.is_refused]
+    pairs = [_pair(draw, known, one, off, sigmas) for one in given]
+    head += "".join(f"; {one.asked.name} gives up [refused]" for one in found if one.is_refused)
     values = ", ".join(f"{name} {value:.3f}" for name, value in known.fit.values.items())
     return pairs, f"{head}\n  {values}; chi2 {known.fit.chi2:.1f}; {time.process_time() - began:.0f} s"
 

@@ -280,15 +280,6 @@ def test_the_study_runs_the_draws_of_a_seed_and_without_a_part_and_compares(tmp_
     assert (tmp_path / "studies" / f"few-{DAY}" / "page.html").exists()
 
 
-@pytest.mark.parametrize(
-    ("ask", "words"),
-    [("without=gurad", "there is no part 'gurad'"), ("seed=x", "ask: seed = 'x'"), ("only=[-1]", "ask: only = -1")],
-)
-def test_what_is_wrong_with_what_is_asked_is_one_line(ask, words, capsys):
-    assert main(["study", "few", "--ask", ask]) == 2
-    assert words in capsys.readouterr().err
-
-
 def test_a_case_is_run_for_a_few_seconds_with_its_operator():
     """Too short to be judged: what is looked at is that the loop runs, is measured, and says why nothing was judged."""
     case = replace(draw("few", DAY, 0), scenario="b2_calm_300", settings={}, actions=((1.0, "speed", 0.1),))

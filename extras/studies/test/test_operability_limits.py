@@ -252,25 +252,6 @@ def test_the_study_answers_and_answers_another_record_without_running_again(tmp_
     assert said.count("no waiting times: scatter.csv is a scatter diagram") == 1
 
 
-@pytest.mark.parametrize(
-    ("arguments", "words"),
-    [
-        (["--vary", f"{HEIGHT}=2"], f"{HEIGHT}: needs at least two values above 0 that rise"),
-        (["--ask", "alpha=none.csv"], "ask: alpha = none.csv: must be a number"),
-        (["--ask", "alpha=2"], "ask: alpha = 2: must be above 0, and at most 1"),
-        (["--ask", "windows=0"], "ask: windows = 0: must be numbers above 0"),
-        (["--ask", "record=none.csv"], "none.csv: no such file"),
-        (["--ask", "within=0"], "ask: within = 0: must be a width above 0"),
-    ],
-)
-def test_what_is_wrong_is_one_line_before_the_first_case(arguments, words, capsys, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    assert main(["study", "operability", "b2_calm_300", *arguments]) == 2
-    said = capsys.readouterr().err
-    assert words in said
-    assert said.count("\n") == 1
-
-
 def test_limits_are_enclosed_by_bisection_in_the_same_waves(tmp_path, monkeypatch, capsys):
     """The residual is 0.1 m for each metre, times the seed: 0.4 m is reached at 4 and 2 m, locked (x 5) at 0.8 m."""
     monkeypatch.chdir(tmp_path)
@@ -286,11 +267,3 @@ def test_limits_are_enclosed_by_bisection_in_the_same_waves(tmp_path, monkeypatc
             near = np.abs(heights - limit)
             assert np.sort(near)[:2].sum() <= 0.25 + 1e-9 or near.min() < 1e-9
     assert frame.groupby(PERIOD)["seed"].nunique().eq(2).all()
-
-
-def test_a_study_without_criteria_is_refused_before_its_first_case(capsys, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(engine, "run_task", None)
-    assert main(["study", "sizing", "b9_model_error"]) == 2
-    assert "no criteria: give the study some (wanted), or --require" in capsys.readouterr().err
-    assert not list(tmp_path.iterdir())

@@ -190,23 +190,3 @@ def test_the_study_answers_for_each_winch(tmp_path: Path, monkeypatch, capsys):
         assert heading in page
     assert "Fewer than 3 seeds show no confidence" in page
     assert "m = 4 (stranded steel wire rope" in " ".join(page.split())
-
-
-@pytest.mark.parametrize(
-    ("arguments", "words"),
-    [
-        (["--ask", "speed=-1"], "ask: speed = -1: must be a number above 0 [m/s]"),
-        (["--ask", "delay=.nan"], "ask: delay = nan: must be a number above 0 [s]"),
-        (["--ask", "efficiency=0"], "ask: efficiency = 0: must be a share, from 0.001 to 1"),
-        (["--ask", "regeneration=1.1"], "ask: regeneration = 1.1: must be a share"),
-        (["--ask", "energy=-1"], "ask: energy = -1: must be a number of at least 0"),
-        (["--set", "virtual_winch.drive=electric"], "its limits follow from its physics"),
-        (["--ask", "record=none.csv"], "none.csv: no such file"),
-    ],
-)
-def test_what_is_wrong_is_one_line(arguments, words, capsys, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    assert main(["study", "sizing", *arguments]) == 2
-    said = capsys.readouterr().err
-    assert words in said
-    assert said.count("\n") == 1

@@ -25,6 +25,7 @@ from heave_bringup.errors import CommandError
 from heave_bringup.progress import ProgressLine, time_to_go
 from heave_bringup.scenarios import load_scenario
 from heave_node.parameters import ParameterError
+from heave_studies.operability.limits import HEIGHT
 from heave_studies.study import cases
 from heave_studies.study.case_file import CASE, FILES, SCENARIO, read_cases, write_case
 from heave_studies.study.cases import Cases
@@ -256,6 +257,23 @@ def test_a_study_of_which_no_case_ran_ends_with_status_1(kind, monkeypatch, caps
         (["few", "--seeds", "3"], "--seeds: is not for few: write it into its file"),
         (["no_such_study"], "no_such_study: no such study or file; shipped are: ablation"),
         ([], "name a study file"),
+        (["few", "--ask", "without=gurad"], "there is no part 'gurad'"),
+        (["few", "--ask", "seed=x"], "ask: seed = 'x'"),
+        (["few", "--ask", "only=[-1]"], "ask: only = -1"),
+        (["operability", "--vary", f"{HEIGHT}=2"], f"{HEIGHT}: needs at least two values above 0 that rise"),
+        (["operability", "--ask", "alpha=none.csv"], "ask: alpha = none.csv: must be a number"),
+        (["operability", "--ask", "alpha=2"], "ask: alpha = 2: must be above 0, and at most 1"),
+        (["operability", "--ask", "windows=0"], "ask: windows = 0: must be numbers above 0"),
+        (["operability", "--ask", "record=none.csv"], "none.csv: no such file"),
+        (["operability", "--ask", "within=0"], "ask: within = 0: must be a width above 0"),
+        (["sizing", "b9_model_error"], "no criteria: give the study some (wanted), or --require"),
+        (["sizing", "--ask", "speed=-1"], "ask: speed = -1: must be a number above 0 [m/s]"),
+        (["sizing", "--ask", "delay=.nan"], "ask: delay = nan: must be a number above 0 [s]"),
+        (["sizing", "--ask", "efficiency=0"], "ask: efficiency = 0: must be a share, from 0.001 to 1"),
+        (["sizing", "--ask", "regeneration=1.1"], "ask: regeneration = 1.1: must be a share"),
+        (["sizing", "--ask", "energy=-1"], "ask: energy = -1: must be a number of at least 0"),
+        (["sizing", "--set", "virtual_winch.drive=electric"], "its limits follow from its physics"),
+        (["sizing", "--ask", "record=none.csv"], "none.csv: no such file"),
     ],
 )
 def test_what_is_wrong_with_a_command_line_is_one_line_and_status_2(arguments, words, capsys, tmp_path, monkeypatch):

@@ -36,7 +36,7 @@ from winch_controller_node.interface.readings import Measurements
 
 from tests.campaigns import whatif as campaign
 from tests.campaigns.in_process import heave, judge
-from tests.campaigns.whatif import Recording, make_draw, run_draw, scenario_of
+from tests.campaigns.whatif import Draw, Recording, make_draw, run_draw, scenario_of
 from tests.loop_runs import run_scenario
 
 TRUE_FIELDS = ("payout", "payout_rate", "payout_acceleration", "tension", "power")
@@ -269,6 +269,17 @@ def test_an_answer_is_near_to_what_then_was():
     (pair,), _ = run_draw(draw, 0)
     assert not pair.tells, "a winch that stood still shows nothing of itself: here it is as believed"
     assert abs(pair.error) < 0.02
+
+
+@pytest.mark.long
+def test_a_law_at_the_limits_of_a_winch_that_nobody_knew_of_is_refused_not_answered_wrongly(monkeypatch):
+    """Of 0.55 m/s, stated as 2 m/s: the efficiency of `industrial` was 36 points off, and outside its band."""
+    monkeypatch.setattr(campaign, "DURATION", 180.0)
+    settings = ("virtual_winch.speed_limit=0.55", "virtual_winch.hauling_speed_share=1.0")
+    draw = Draw(0, "b3_deep_900", 1, "mpc", ("industrial",), settings, "0.55 m/s")
+    pairs, line = run_draw(draw, 0)
+    assert pairs == []
+    assert "industrial gives up [refused]" in line
 
 
 @pytest.mark.long

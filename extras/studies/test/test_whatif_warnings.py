@@ -8,7 +8,7 @@ import pytest
 from heave_bringup.errors import CommandError
 from heave_node.interface.codes import WinchLimit
 from heave_studies.whatif import fitness
-from heave_studies.whatif.answer import Figures, Spread, lost, with_bands
+from heave_studies.whatif.answer import Answer, Figures, Spread, lost, with_bands
 from heave_studies.whatif.identify import USUAL, CableFit
 
 LIMITS_HIT = np.array([WinchLimit.FLOW, 0, WinchLimit.SPEED, WinchLimit.SPEED | WinchLimit.POWER | WinchLimit.PAYOUT])
@@ -52,7 +52,7 @@ def test_what_the_record_lacks_for_an_answer_is_said_and_no_more(monkeypatch, la
     figures = SimpleNamespace(values=values, bands={"unit_efficiency": band})
     asked = SimpleNamespace(name="first", controller=SimpleNamespace(law=law))
     done = SimpleNamespace(limits_hit=LIMITS_HIT)
-    answer = SimpleNamespace(asked=asked, figures=figures, lost=0, done=done)
+    answer = SimpleNamespace(asked=asked, figures=figures, lost=0, done=done, is_refused=False)
     lines = fitness.warnings(known, [answer])
     assert lines == ([f"first: this record does not show all that the answer stands on: {words}"] if words else [])
 
@@ -74,6 +74,28 @@ def test_a_value_far_from_what_was_known_before_is_refused_with_what_to_check():
         "bag: cable.stiffness_factor is identified as 2.5, 9 standard deviations from what was known before: "
         f"{fitness.CHECK}"
     )
+
+
+@pytest.mark.parametrize(
+    ("lost_at", "lost", "is_refused"),
+    [(144.2, 1, True), (math.inf, 4, True), (math.inf, 3, False), (math.inf, 0, False)],
+)
+def test_figures_of_a_law_that_gives_up_are_withheld(lost_at, lost, is_refused):
+    """Of seven plants; the chance of it and its alarm are the answer then."""
+    values = dict.fromkeys(fitness.BRIEF, 0.5)
+    figures = Figures(values, np.zeros(2), {"unit_efficiency": (0.4, 0.6)}, lost_at, "LITTLE_GAIN")
+    asked = SimpleNamespace(name="industrial", controller=SimpleNamespace(law="industrial"))
+    answer = Answer(asked, figures, None, 7, lost, "LITTLE_GAIN" if lost else "")
+    result = fitness.Result((), (), None, figures, [answer])
+    assert answer.is_refused is is_refused
+    (_, row) = fitness.rows(result)
+    assert row[:2] == ["industrial", f"{lost} of 7"]
+    assert (set(row[2:]) == {"-"}) is is_refused
+    known = SimpleNamespace(fit=SimpleNamespace(chi2=1.0), again=SimpleNamespace(is_same=True))
+    if is_refused:
+        (line,) = fitness.warnings(known, [answer])
+        assert f"gives up compensation on {lost} of 7 plants that the record allows" in line
+        assert line.endswith("LITTLE_GAIN; when it does hangs on thresholds, so its figures are withheld")
 
 
 def test_a_law_that_never_began_has_given_up_at_its_first_alarm():

@@ -56,25 +56,13 @@ Band = tuple[float, float]
 COUNTED = int(~WinchLimit.PAYOUT)
 """Limits of the winch that count as such: not the ends of its cable."""
 
-KEYS = (
-    "unit_efficiency",
-    "unit_sigma_m",
-    "significant_residual_m",
-    "tension_min_n",
-    "tension_max_n",
-    "winch_speed_max_mps",
-    "winch_acceleration_max_mps2",
-    "time_at_limit_percent",
-)
-"""Figures that are given, by their names as figures of merit."""
-
 POSSIBLE = {"unit_efficiency": (-math.inf, 1.0), "time_at_limit_percent": (0.0, 100.0)}
 """Least and largest that a figure can be; 0 and infinity for the others."""
 
 
 @dataclass(frozen=True)
 class Figures:
-    """Figures of one loop, by the names in KEYS."""
+    """Figures of one loop, by their names as figures of merit."""
 
     values: Mapping[str, float]  # as predicted
     unit: Array = field(repr=False)  # heave of the unit about its mean depth at each tick of the window (n,) [m]
@@ -313,6 +301,21 @@ class Answer:
     def fade_out(self) -> float:
         """Share of the plants on which it gives up compensation, or never begins [-]."""
         return self.lost / self.plants
+
+    @property
+    def is_refused(self) -> bool:
+        """Whether its figures are withheld: it gives up compensation on the likeliest plant, or on half of all.
+
+        Which second that is hangs on a threshold: in a trial of `industrial` at the limits of its winch the payout was
+        right to 2 cm until then, and the efficiency 36 points off after it.
+        """
+        return math.isfinite(self.figures.lost_at) or 2 * self.lost >= self.plants
+
+    @property
+    def shown(self) -> Figures:
+        """Its figures, none of which is known where they are withheld."""
+        unknown = dict.fromkeys(self.figures.values, math.nan)
+        return replace(self.figures, values=unknown, bands={}) if self.is_refused else self.figures
 
 
 def answers(

@@ -12,7 +12,7 @@ from heave_bags.analyse.kpi_set import DEFINITION_OF
 from heave_bringup.errors import CommandError
 from winch_controller_node.core.supervision.modes import Mode
 
-from heave_studies.whatif.answer import KEYS, OFF, Answer, Figures, Known, limit_words, off_sigma, winch_moved
+from heave_studies.whatif.answer import OFF, Answer, Figures, Known, limit_words, off_sigma, winch_moved
 from heave_studies.whatif.identify import AS_THEY_ARE, BEGINS, DAMPING, INERTIA
 from heave_studies.whatif.record import LOST, Loss, SensorRecord
 
@@ -192,12 +192,13 @@ def warnings(known: Known, answers: Sequence[Answer]) -> list[str]:
     for answer in answers:
         if answer.lost:
             at = answer.figures.lost_at
-            shown = f"at {at:.1f} s, and the figures count both before and after" if math.isfinite(at) else "none"
+            shown = f"on the likeliest at {at:.1f} s" if math.isfinite(at) else "not on the likeliest"
+            withheld = "; when it does hangs on thresholds, so its figures are withheld" if answer.is_refused else ""
             lines.append(
                 f"{answer.asked.name}: gives up compensation on {answer.lost} of {answer.plants} plants that the "
-                f"record allows: {answer.cause}; in the motion of the figures {shown}"
+                f"record allows, {shown}: {answer.cause}{withheld}"
             )
-        lacking = lacks(known, answer)
+        lacking = [] if answer.is_refused else lacks(known, answer)
         if lacking:
             lacked = "; ".join(lacking)
             lines.append(f"{answer.asked.name}: this record does not show all that the answer stands on: {lacked}")
@@ -222,8 +223,11 @@ def lacks(known: Known, answer: Answer) -> list[str]:
     return found
 
 
-BRIEF = ("unit_efficiency", "unit_sigma_m", "significant_residual_m", "tension_max_n", "winch_speed_max_mps")
-"""Figures of the table in a terminal, beside time at limits and the chance of a fade-out."""
+BRIEF = (
+    *("unit_efficiency", "unit_sigma_m", "significant_residual_m", "tension_max_n", "winch_speed_max_mps"),
+    "time_at_limit_percent",
+)
+"""Figures of the table in a terminal, beside the chance of a fade-out."""
 
 EXPERIMENTAL = "whatif is experimental: compared with simulated runs alone (docs/guide/howto/what_would_have_been.md)"
 
@@ -256,7 +260,7 @@ def banded(key: str, figures: Figures) -> str:
 def headings() -> list[str]:
     """Return the headings of the table of answers."""
     titles = [f"{DEFINITION_OF[key].title} [{DEFINITION_OF[key].unit}]" for key in BRIEF]
-    return ["law", "gives up", *titles, "at limits [%]"]
+    return ["law", "gives up", *titles]
 
 
 def rows(result: Result) -> list[list[str]]:
@@ -264,11 +268,8 @@ def rows(result: Result) -> list[list[str]]:
     found = [("recorded", "-", result.recorded)]
     for one in result.answers:
         is_off = one.asked.controller.law == OFF
-        found.append((one.asked.name, "-" if is_off else f"{one.lost} of {one.plants}", one.figures))
-    return [
-        [name, lost, *(banded(key, of) for key in BRIEF), f"{of.values['time_at_limit_percent']:.1f}"]
-        for name, lost, of in found
-    ]
+        found.append((one.asked.name, "-" if is_off else f"{one.lost} of {one.plants}", one.shown))
+    return [[name, lost, *(banded(key, of) for key in BRIEF)] for name, lost, of in found]
 
 
 def lines_before(result: Result) -> list[str]:
@@ -310,14 +311,14 @@ def to_json(result: Result) -> dict[str, Any]:
         "beliefs": {name: belief.value for name, belief in known.again.beliefs.values.items()},
         "chi2": known.fit.chi2,
         "uncompensated_sigma_m": off_sigma(known),
-        "recorded": {key: result.recorded.values[key] for key in KEYS},
+        "recorded": dict(result.recorded.values),
         "warnings": result.warnings,
         "answers": [
             {
                 "name": one.asked.name,
                 "law": one.asked.controller.law,
-                **{key: one.figures.values[key] for key in KEYS},
-                "bands": {key: list(band) for key, band in one.figures.bands.items()},
+                **one.shown.values,
+                "bands": {key: list(band) for key, band in one.shown.bands.items()},
                 "fade_out_probability": one.fade_out,
                 "fade_out_cause": one.cause,
                 "fade_out_at_s": one.figures.lost_at,

@@ -12,7 +12,9 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
+from cable_sim_node.physics.drag import HARMONIC_DRAG
 from cable_sim_node.vertical.axial_line import AxialLine
+from cable_sim_node.vertical.linear import march
 from heave_node.numerics.arrays import Array, ComplexArray
 from scipy.fft import dct, idct
 from winch_controller_node.beliefs.beliefs import Correction
@@ -107,24 +109,15 @@ def gains_over_top(line: AxialLine, length: float, omegas: Array, speeds: Speeds
     omegas : angular frequencies (k,) [rad/s]
     speeds : by which the drag of unit and cable is linearised
 
-    Each piece is a bar: its state (elevation u, tension T) goes up by the matrix [[cos ks, sin ks / (EA k)],
-    [-EA k sin ks, cos ks]], k^2 = (m w^2 - i c w)/EA (Clough and Penzien, Dynamics of Structures, section 17-5).
+    The ends move independently of one another, and each piece with its share of both.
     """
-    damping = RANDOM_DRAG * line.unit.drag * speeds.unit
-    u = np.ones(len(omegas), dtype=complex)
-    T = -(omegas**2) * line.unit.inertia + 1j * omegas * damping
-    height = 0.0
-    for piece in line.pieces(length):
-        for body in piece.clumps:
-            T = T + (-(omegas**2) * body.inertia + 1j * omegas * RANDOM_DRAG * body.drag * speeds.unit) * u
-        share = (height + 0.5 * piece.length) / length
-        speed = math.hypot((1.0 - share) * speeds.unit, share * speeds.top)
-        stiffness = piece.axial_stiffness * (1.0 + 1j * omegas * piece.damping_time)
-        k = np.sqrt((piece.mass * omegas**2 - 1j * omegas * RANDOM_DRAG * piece.drag * speed) / stiffness)
-        c, s = np.cos(k * piece.length), np.sin(k * piece.length)
-        u, T = c * u + s / (stiffness * k) * T, -stiffness * k * s * u + c * T
-        height += piece.length
-    return np.array([1.0 / u, T / u])
+    pieces = line.pieces(length)
+    lengths = np.array([piece.length for piece in pieces])
+    share = (np.cumsum(lengths) - 0.5 * lengths) / length
+    along = np.hypot((1.0 - share) * speeds.unit, share * speeds.top)
+    of_places = RANDOM_DRAG / HARMONIC_DRAG * np.array([speeds.unit, *along])
+    motion = march(line, pieces, omegas, np.outer(of_places, np.ones(len(omegas))))
+    return np.asarray([1.0 / motion.heave[-1], motion.top_tension / motion.heave[-1]])
 
 
 SMOOTHED = 0.01
