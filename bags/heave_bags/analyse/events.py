@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Any
@@ -207,8 +207,8 @@ def diagnostic_alarms(
     parts = [one for (_, level), (label, times) in lasting.items() for one in _joined(times, label, level)]
     since = [replace(one, start=one.start - REPEATED) for one in parts]  # for so long, reported a second later
     raised = _spans(sorted(raised, key=lambda one: one.start), (holding, since))
-    parts = [_as_held(one, holding) for one in parts if not _is_told(one, raised)]
-    return [*raised, *parts, *(one for one in holding if one.level and not _is_told(one, [*raised, *parts]))]
+    raised += [one for one in parts if not _is_told(one, raised)]
+    return raised + [one for one in holding if one.level and not _is_told(one, raised)]
 
 
 def _raised(time: float, text: str, level: int) -> list[Interval]:
@@ -256,21 +256,13 @@ def _restores(later: Interval, one: Interval) -> bool:
     return end.endswith(RESTORED) and (end.partition("_")[0], part) == (kind.partition("_")[0], of)
 
 
-def _beside(held: Interval, others: Sequence[Interval]) -> Iterator[Interval]:
-    """Yield those of the `others` that are there while something is `held`, or up to a second before or after."""
-    return (one for one in others if one.start - REPEATED <= held.end and held.start - REPEATED <= one.end)
-
-
 def _is_told(held: Interval, raised: Sequence[Interval]) -> bool:
-    """Return whether an alarm of those that were `raised` names what is `held` so: of its code, or of its sensor."""
-    told = {code.partition(", ")[2] or code for one in _beside(held, raised) if one.level for code in _codes(one)}
+    """Return whether an alarm of those that were `raised` tells of what is `held` so, or was up to a second before: one
+    of its code, or of its sensor.
+    """
+    beside = (one for one in raised if one.start - REPEATED <= held.end and held.start - REPEATED <= one.end)
+    told = {code.partition(", ")[2] or code for one in beside if one.level for code in _codes(one)}
     return any((code.partition(", ")[2] or code) in told for code in _codes(held))
-
-
-def _as_held(part: Interval, holding: Sequence[Interval]) -> Interval:
-    """Return a `part` of diagnostics with the span, known to the tick, of what it reports and is `holding`."""
-    found = [held for held in _beside(part, holding) if _is_about(part, held)]
-    return replace(part, start=found[0].start, end=found[-1].end) if found else part
 
 
 def _level(text: str, level: int) -> int:
