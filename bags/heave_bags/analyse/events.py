@@ -219,7 +219,7 @@ def _raised(time: float, text: str, level: int) -> list[Interval]:
 
 def _spans(raised: Sequence[Interval], known: Sequence[Sequence[Interval]]) -> list[Interval]:
     """Return the alarms that were `raised`, in order, each to the end of what it is about, by the first of what is
-    `known` that names it, else until it is reported as restored.
+    `known` that shows it, else until it is reported as restored.
 
     One that is raised again meanwhile in the same words is one.
     """
@@ -257,9 +257,7 @@ def _restores(later: Interval, one: Interval) -> bool:
 
 
 def _is_told(held: Interval, raised: Sequence[Interval]) -> bool:
-    """Return whether an alarm of those that were `raised` tells of what is `held` so, or was up to a second before: one
-    of its code, or of its sensor.
-    """
+    """Return whether an alarm `raised` beside what is `held` so, within a second, has its code or names its sensor."""
     beside = (one for one in raised if one.start - REPEATED <= held.end and held.start - REPEATED <= one.end)
     told = {code.partition(", ")[2] or code for one in beside if one.level for code in _codes(one)}
     return any((code.partition(", ")[2] or code) in told for code in _codes(held))
