@@ -1,5 +1,7 @@
 """Warnings and errors of /diagnostics as intervals: a countdown is one, what is reported once is each."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from heave_bags.analyse.events import Interval, diagnostic_alarms, operator_requests
@@ -129,9 +131,11 @@ def test_two_alarms_of_one_tick_are_two():
     ]
 
 
-def test_a_sensor_of_which_no_alarm_tells_is_shown_as_the_controller_held_it():
-    state = [Interval(3.0, 4.0, "SENSOR_LOST, ENCODER", 2)]
-    assert diagnostic_alarms(told([f"t = 3.00 s: {LOST}"]), state)[-1] == state[0]
+def test_a_sensor_that_no_alarm_names_is_shown_as_a_warning_where_the_controller_reports_alarms():
+    """While its own cycles are left out the controller loses all sensors for some ticks, and raises that alone."""
+    lost = Interval(3.0, 4.0, "SENSOR_LOST, ENCODER", 2)
+    assert diagnostic_alarms(told([f"t = 3.00 s: {LOST}"]), [lost])[-1] == replace(lost, level=1)
+    assert diagnostic_alarms(told(["ok"]), [lost]) == [lost], "a bag without its alarms"
 
 
 def test_the_mode_is_no_alarm_where_the_controller_s_state_tells_it_to_the_tick():
