@@ -183,8 +183,8 @@ def diagnostic_alarms(
     ----------
     diagnostics : columns of the topic
     holding : what is known to the tick: `sensor_alarms`, `winch_faults`, and why the controller did not compensate
-        (`waits`). A sensor or fault that no alarm names is returned, too; a
-        sensor is a warning then: the controller knew why, as when the computer stood still
+        (`waits`). A sensor or fault that no alarm names is returned, too; a sensor is a warning then where there are
+        others: the controller knew why, as when the computer stood still
     has_modes : the controller's modes are known to the tick, and not reported here
     """
     lasting: dict[tuple[str, int], tuple[str, list[float]]] = {}
@@ -208,9 +208,9 @@ def diagnostic_alarms(
     parts = [one for (_, level), (label, times) in lasting.items() for one in _joined(times, label, level)]
     since = [replace(one, start=one.start - REPEATED) for one in parts]  # for so long, reported a second later
     raised = _spans(sorted(raised, key=lambda one: one.start), (holding, since))
-    raised += [one for one in parts if not _is_told(one, raised)]
-    others = [one for one in holding if one.level and not _is_told(one, raised)]
-    return raised + [replace(one, level=1) if raised and one.name.startswith(SENSOR.upper()) else one for one in others]
+    shown = raised + [one for one in parts if not _is_told(one, raised)]
+    others = [one for one in holding if one.level and not _is_told(one, shown)]
+    return shown + [replace(one, level=1) if raised and one.name.startswith(SENSOR.upper()) else one for one in others]
 
 
 def _raised(time: float, text: str, level: int) -> list[Interval]:
