@@ -39,44 +39,40 @@ class Signal:
         return int(self.time.size)
 
 
-def _signal() -> Signal:
-    return Signal()
-
-
 @dataclass
 class RunSignals:
     """What the KPIs of a run are computed from; a signal that was not recorded stays empty, and its KPIs are NaN."""
 
-    unit_heave: Signal = field(default_factory=_signal)  # vertical position, positive up [m]
-    uncompensated_heave: Signal = field(default_factory=_signal)  # vertical position, positive up [m]
-    boom_tip_heave: Signal = field(default_factory=_signal)  # vertical position, positive up [m]
-    payout: Signal = field(default_factory=_signal)  # of the drum, positive pays out [m]
-    payout_rate: Signal = field(default_factory=_signal)  # of the drum, positive pays out [m/s]
-    payout_acceleration: Signal = field(default_factory=_signal)  # of the drum, positive pays out [m/s^2]
-    tension: Signal = field(default_factory=_signal)  # top tension [N]
+    unit_heave: Signal = field(default_factory=Signal)  # vertical position, positive up [m]
+    uncompensated_heave: Signal = field(default_factory=Signal)  # vertical position, positive up [m]
+    boom_tip_heave: Signal = field(default_factory=Signal)  # vertical position, positive up [m]
+    payout: Signal = field(default_factory=Signal)  # of the drum, positive pays out [m]
+    payout_rate: Signal = field(default_factory=Signal)  # of the drum, positive pays out [m/s]
+    payout_acceleration: Signal = field(default_factory=Signal)  # of the drum, positive pays out [m/s^2]
+    tension: Signal = field(default_factory=Signal)  # top tension [N]
     # largest of it since the sample before, at the same times [N]; empty when unknown
-    largest_tension: Signal = field(default_factory=_signal)
+    largest_tension: Signal = field(default_factory=Signal)
     # the same with the winch locked, or following the programme of depth only [N]
-    uncompensated_tension: Signal = field(default_factory=_signal)
+    uncompensated_tension: Signal = field(default_factory=Signal)
     # the same with the winch locked, or following the programme of depth only [N]
-    uncompensated_largest_tension: Signal = field(default_factory=_signal)
+    uncompensated_largest_tension: Signal = field(default_factory=Signal)
     # top tension at rest [N], one sample where the deployed length stays; empty takes the mean tension
-    static_tension: Signal = field(default_factory=_signal)
-    unit_tension: Signal = field(default_factory=_signal)  # of the cable at the unit [N]
-    slack: Signal = field(default_factory=_signal)  # 1 where any part of the cable carries no tension
+    static_tension: Signal = field(default_factory=Signal)
+    unit_tension: Signal = field(default_factory=Signal)  # of the cable at the unit [N]
+    slack: Signal = field(default_factory=Signal)  # 1 where any part of the cable carries no tension
     # sum of the WinchLimit flags of the limits that act, as the winch itself reports it
-    limits_hit: Signal = field(default_factory=_signal)
-    compensating: Signal = field(default_factory=_signal)  # 1 where the controller compensates or holds a tension
+    limits_hit: Signal = field(default_factory=Signal)
+    compensating: Signal = field(default_factory=Signal)  # 1 where the controller compensates or holds a tension
     # vertical position of the unit as it was recorded, programme of depth and all, positive up [m]
-    unit_height: Signal = field(default_factory=_signal)
-    touchdown: Signal = field(default_factory=_signal)  # 1 where the bottom carries the unit
-    holds_tension: Signal = field(default_factory=_signal)  # 1 where the controller holds a tension
-    mode_changes: Signal = field(default_factory=_signal)  # 1 where the controller has just changed its mode
-    losses: Signal = field(default_factory=_signal)  # 1 where compensation has just ended that nobody had asked to end
+    unit_height: Signal = field(default_factory=Signal)
+    touchdown: Signal = field(default_factory=Signal)  # 1 where the bottom carries the unit
+    holds_tension: Signal = field(default_factory=Signal)  # 1 where the controller holds a tension
+    mode_changes: Signal = field(default_factory=Signal)  # 1 where the controller has just changed its mode
+    losses: Signal = field(default_factory=Signal)  # 1 where compensation has just ended that nobody had asked to end
     # 1 where the normalised innovation squared lies inside its 95 % band
-    nis_in_band: Signal = field(default_factory=_signal)
+    nis_in_band: Signal = field(default_factory=Signal)
     # wall time that the controller computed for a tick [s]; empty in lockstep, where it is not reported
-    execution_time: Signal = field(default_factory=_signal)
+    execution_time: Signal = field(default_factory=Signal)
     speed_limit: float = math.inf  # of the winch [m/s]; infinite: unknown or none
     acceleration_limit: float = math.inf  # of the winch [m/s^2]; infinite: unknown or none
     power_limit: float = math.inf  # of the winch [W]; infinite: unknown or none

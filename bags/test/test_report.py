@@ -268,12 +268,13 @@ def test_what_happened_is_told_in_words_and_in_order(shared_bag):
 def test_an_alarm_that_comes_again_and_again_is_one_line(shared_bag):
     (record,) = analysis.analyse([shared_bag])
     record.alarms = [
-        Interval(5.0 * n, 5.0 * n + 1.0, f"SENSOR_LOST, DEPTH: no data for 0.{n} s", 1) for n in range(1, 8)
+        Interval(5.0 * n, 5.0 * n + 1.0, f"SENSOR_LOST, DEPTH: no data for 0.{n} s. {loop}.", 1)
+        for n, loop in enumerate(4 * ["Compensation continues"] + 3 * ["No compensation"], 1)
     ]
     record.alarms += [Interval(12.0, 13.0, "SENSOR_LOST, MRU: no data for 0.31 s", 2)] * 2
     found = [one for one in run_words.happenings(record) if "no data" in one.text]
     assert [(one.start, one.end, one.text, one.level) for one in found] == [
-        (5.0, 36.0, "7 times, first: SENSOR_LOST, DEPTH: no data for 0.1 s", 1),
+        (5.0, 36.0, "7 times, first: SENSOR_LOST, DEPTH: no data for 0.1 s. Compensation continues.", 1),
         (12.0, 13.0, "SENSOR_LOST, MRU: no data for 0.31 s", 2),
         (12.0, 13.0, "SENSOR_LOST, MRU: no data for 0.31 s", 2),
     ]

@@ -2,6 +2,7 @@
 
 import dataclasses
 import math
+import re
 
 import numpy as np
 import pytest
@@ -118,6 +119,21 @@ def test_each_loss_of_a_sensor_that_comes_and_goes_takes_longer_and_a_count_ends
     assert modes.mode is Mode.COMPENSATING
     run(modes, 2.0, situation(lost="mru frozen", speed=0.3))
     assert resumed_after(modes, 100.0) == pytest.approx(1.0, abs=2.0 * DT)
+
+
+def test_a_sensor_that_comes_and_goes_is_waited_for_as_long_as_the_reason_says_also_after_the_stop():
+    """It said 16 s, and the winch stood for four minutes beside a good sensor: after a stop the wait is another."""
+    modes = machine()
+    run(modes, 5.0)
+    run(modes, 2.0, situation(lost="mru frozen", speed=0.3))
+    assert resumed_after(modes, 100.0) < 2.0
+    run(modes, 6.0, situation(lost="mru frozen"))
+    assert modes.mode is Mode.STOPPED
+    (said,) = re.findall(r"good for 4 s, (\d+) s once the winch has stopped", modes.reason)
+    run(modes, float(said) - 0.5)
+    assert modes.mode is Mode.STOPPED
+    run(modes, 1.0)
+    assert modes.mode is not Mode.STOPPED
 
 
 def test_losses_are_forgotten_after_ten_minutes_of_compensation():

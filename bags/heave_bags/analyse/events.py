@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Any
@@ -183,7 +183,8 @@ def diagnostic_alarms(
     ----------
     diagnostics : columns of the topic
     holding : what is known to the tick: `sensor_alarms`, `winch_faults`, and why the controller did not compensate
-        (`waits`). A sensor or fault that no alarm names is returned as it is
+        (`waits`). A sensor or fault that no alarm names is returned, too; a sensor is a warning then where there are
+        others: the controller knew why, as when the computer stood still
     has_modes : the controller's modes are known to the tick, and not reported here
     """
     lasting: dict[tuple[str, int], tuple[str, list[float]]] = {}
@@ -207,8 +208,9 @@ def diagnostic_alarms(
     parts = [one for (_, level), (label, times) in lasting.items() for one in _joined(times, label, level)]
     since = [replace(one, start=one.start - REPEATED) for one in parts]  # for so long, reported a second later
     raised = _spans(sorted(raised, key=lambda one: one.start), (holding, since))
-    parts = [_as_held(one, holding) for one in parts if not _is_told(one, raised)]
-    return [*raised, *parts, *(one for one in holding if one.level and not _is_told(one, [*raised, *parts]))]
+    shown = raised + [one for one in parts if not _is_told(one, raised)]
+    others = [one for one in holding if one.level and not _is_told(one, shown)]
+    return shown + [replace(one, level=1) if raised and one.name.startswith(SENSOR.upper()) else one for one in others]
 
 
 def _raised(time: float, text: str, level: int) -> list[Interval]:
@@ -219,7 +221,7 @@ def _raised(time: float, text: str, level: int) -> list[Interval]:
 
 def _spans(raised: Sequence[Interval], known: Sequence[Sequence[Interval]]) -> list[Interval]:
     """Return the alarms that were `raised`, in order, each to the end of what it is about, by the first of what is
-    `known` that names it, else until it is reported as restored.
+    `known` that shows it, else until it is reported as restored.
 
     One that is raised again meanwhile in the same words is one.
     """
@@ -256,21 +258,11 @@ def _restores(later: Interval, one: Interval) -> bool:
     return end.endswith(RESTORED) and (end.partition("_")[0], part) == (kind.partition("_")[0], of)
 
 
-def _beside(held: Interval, others: Sequence[Interval]) -> Iterator[Interval]:
-    """Yield those of the `others` that are there while something is `held`, or up to a second before or after."""
-    return (one for one in others if one.start - REPEATED <= held.end and held.start - REPEATED <= one.end)
-
-
 def _is_told(held: Interval, raised: Sequence[Interval]) -> bool:
-    """Return whether an alarm of those that were `raised` names what is `held` so: of its code, or of its sensor."""
-    told = {code.partition(", ")[2] or code for one in _beside(held, raised) if one.level for code in _codes(one)}
+    """Return whether an alarm `raised` beside what is `held` so, within a second, has its code or names its sensor."""
+    beside = (one for one in raised if one.start - REPEATED <= held.end and held.start - REPEATED <= one.end)
+    told = {code.partition(", ")[2] or code for one in beside if one.level for code in _codes(one)}
     return any((code.partition(", ")[2] or code) in told for code in _codes(held))
-
-
-def _as_held(part: Interval, holding: Sequence[Interval]) -> Interval:
-    """Return a `part` of diagnostics with the span, known to the tick, of what it reports and is `holding`."""
-    found = [held for held in _beside(part, holding) if _is_about(part, held)]
-    return replace(part, start=found[0].start, end=found[-1].end) if found else part
 
 
 def _level(text: str, level: int) -> int:

@@ -189,10 +189,10 @@ def _faults(record: RunRecord) -> list[Happening]:
 
 
 def _alarms(alarms: Sequence[Interval]) -> list[Happening]:
-    """Return the `alarms`; one that comes again and again is one line from the first to the last."""
+    """Return the `alarms`; one that comes again and again, whatever follows, is one line from the first to the last."""
     kinds: dict[tuple[str, int], list[Interval]] = {}
     for alarm in sorted(alarms, key=lambda one: one.start):
-        kinds.setdefault((without_figures(alarm.name), alarm.level), []).append(alarm)
+        kinds.setdefault((without_figures(alarm.name.partition(". ")[0]), alarm.level), []).append(alarm)
     found: list[Happening] = []
     for (_, level), same in kinds.items():
         if len(same) < OFTEN:

@@ -99,16 +99,12 @@ class LiveRecorder(Node):
 
     def _taker(self, topic: str) -> Callable[..., None]:
         write, clock = self.session.write, self.get_clock()
-        if topic == self.resolve_topic_name(topics.DIAGNOSTICS.name) and self._sees_faults:
-
-            def take_and_watch(data: bytes, _: object) -> None:
-                write(topic, clock.now().nanoseconds, data)
-                self.controls.watch_for_faults(data)
-
-            return self._gaps.noting(topic, take_and_watch)
+        watches = topic == self.resolve_topic_name(topics.DIAGNOSTICS.name) and self._sees_faults
 
         def take(data: bytes, _: object) -> None:
             write(topic, clock.now().nanoseconds, data)
+            if watches:
+                self.controls.watch_for_faults(data)
 
         return self._gaps.noting(topic, take)
 

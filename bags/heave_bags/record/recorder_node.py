@@ -355,9 +355,7 @@ class RecorderNode(ParticipantNode):
             **({"lost_on_the_way": status.reason} if is_complete and status.reason else {}),
             "ticks": str(status.tick),
             "real_time_factor": repr(status.real_time_factor),
-            "loop_age_p50_s": repr(status.loop_age_p50),
-            "loop_age_p99_s": repr(status.loop_age_p99),
-            "loop_age_max_s": repr(status.loop_age_max),
+            **{f"loop_age_{part}_s": repr(getattr(status, f"loop_age_{part}")) for part in ("p50", "p99", "max")},
             "missed_deadlines": str(status.missed_deadlines),
             "resends": str(status.resends),
         }

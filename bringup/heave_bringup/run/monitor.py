@@ -150,6 +150,6 @@ class Monitor:
 
 
 def _raised(message: DiagnosticArray, part: DiagnosticStatus) -> float:
-    """Return when what a `part` of a `message` reports was raised [s], by its own values where they tell it."""
+    """Return when what a `part` of a `message` reports was raised [s], by its own values where they have it."""
     times = [time_of(one.key) for one in part.values if one.value == part.message]
     return next((time for time in times if time is not None), seconds_of(message.header.stamp))

@@ -303,19 +303,16 @@ class Page:
 
     def _show_bar(self, picture: Picture) -> None:
         situation, bar = picture.situation, self._bar
-        bar.run.text = "; ".join(
-            filter(None, (f"{self._place}: {run_words(situation.run)}", open_loop(situation.played)))
-        )
+        recorded = open_loop(situation.played)
+        bar.run.text = f"{self._place}: {run_words(situation.run)}{recorded and f'; {recorded}'}"
         bar.mode.text = mode_words(situation.controller) if situation.controller else "no word from the controller"
         mode = situation.controller.mode if situation.controller else ""
         style = {"compensating": "heave-good", "constant_tension": "heave-good", "emergency_stop": "heave-bad"}
         bar.mode.classes(
             replace=f"text-lg font-bold {style.get(mode, 'heave-bad' if mode == 'stopped' else 'heave-warn')}"
         )
-        is_silent = picture.silence > SILENCE and not situation.is_over
-        bar.word.text = (
-            f"NO WORD from the run for {picture.silence:.1f} s: the values shown are stale" if is_silent else ""
-        )
+        words = f"NO WORD from the run for {picture.silence:.1f} s: the values shown are stale"
+        bar.word.text = words if picture.silence > SILENCE and not situation.is_over else ""
 
     def _show_figures(self, picture: Picture) -> None:
         situation = picture.situation

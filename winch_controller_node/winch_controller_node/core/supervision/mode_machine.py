@@ -231,10 +231,10 @@ class ModeMachine:
         if FROZEN_ENCODER in now.lost:
             return "compensation resumes automatically once the count changes, or on request"
         if losses > 1:
-            wait = BACK_TIME * float(self.design["loss_growth"][0]) ** (losses - 1)
-            return (
-                f"compensation resumes automatically once the sensor has been good for {wait:.0f} s: it comes and goes"
-            )
+            growth = float(self.design["loss_growth"][0]) ** (losses - 1)
+            wait, stopped = (f"{time * growth:.0f} s" for time in (BACK_TIME, self._parameters.resume_time))
+            good = f"good for {wait}, {stopped} once the winch has stopped"
+            return f"compensation resumes automatically once the sensor has been {good}: it comes and goes"
         until = "; until then the depth sensor damps the load" if now.is_damped_blind else ""
         return f"compensation resumes automatically once the sensor is good{until}"
 
