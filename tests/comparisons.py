@@ -11,6 +11,8 @@ import ast
 import cmath
 import json
 import math
+import os
+import signal
 import sys
 from collections.abc import Iterator
 from functools import cache
@@ -21,6 +23,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from heave_node.ros.transport.parents_death import end_with
 from heave_studies.qualify.results import PROPERTY
 
 LIBRARIES = ("_pytest", "numpy", "contextlib.py", Path(__file__).name)
@@ -100,7 +103,9 @@ _all_close = np.testing.assert_allclose
 
 
 def pytest_configure() -> None:
-    """Record from now on."""
+    """Record from now on; end with the command that runs the tests, and by an interrupt also in the background."""
+    end_with(os.getppid())
+    signal.signal(signal.SIGINT, signal.default_int_handler)
     Approx.__eq__ = equal  # type: ignore[method-assign]
     np.testing.assert_allclose = all_close
 

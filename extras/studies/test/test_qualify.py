@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import signal
 import subprocess
 import sys
@@ -125,19 +126,23 @@ def test_a_claim_whose_test_fails_stands_as_failed_and_ends_with_the_status_of_a
     assert (out / "versions.txt").read_text().count("\n") > 20
 
 
-def test_ctrl_c_keeps_the_results_of_the_tests_that_are_done(tree, tmp_path):
+@pytest.mark.parametrize("processes", [1, 2])
+def test_ctrl_c_keeps_the_results_of_the_tests_that_are_done(tree, tmp_path, processes):
+    """The whole group gets the signal, as from a terminal; SIGINT is ignored at first, as in the background."""
     program = (
-        "import sys; from pathlib import Path; from heave_studies.qualify import results\n"
+        "import signal, sys; from pathlib import Path; from heave_studies.qualify import results\n"
+        "signal.signal(signal.SIGINT, signal.default_int_handler)\n"
         f"results.TREE = Path({str(tree)!r})\n"
-        f"results.run_tests(sys.argv[1:], Path({str(tmp_path)!r}), quick=False, processes=1)\n"
+        f"results.run_tests(sys.argv[1:], Path({str(tmp_path)!r}), quick=False, processes={processes})\n"
     )
     tests = [f"tests/test_it.py::test_{name}" for name in ("good", "slow")]
-    child = subprocess.Popen([sys.executable, "-c", program, *tests], stderr=subprocess.DEVNULL, start_new_session=True)
+    words = ["sh", "-c", 'trap "" INT; exec "$@"', "sh", sys.executable, "-c", program, *tests]
+    child = subprocess.Popen(words, stderr=subprocess.DEVNULL, start_new_session=True)
     try:
         log, end = tmp_path / results.LOG, time.monotonic() + 60.0
         while not (log.exists() and log.read_text().count("PASSED") == 3) and time.monotonic() < end:
             time.sleep(0.2)
-        child.send_signal(signal.SIGINT)
+        os.killpg(child.pid, signal.SIGINT)
         child.wait(60.0)
     finally:
         child.kill()

@@ -8,6 +8,7 @@ import signal
 import subprocess
 import sys
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -53,7 +54,8 @@ def run_tests(tests: Sequence[str], folder: Path, *, quick: bool, processes: int
     command += ["-n", str(processes), "--dist", "loadfile"] if processes > 1 else []
     (folder / JUNIT).unlink(missing_ok=True)
     with ProgressLine() as line, (folder / LOG).open("w", 1, encoding="utf-8") as log:
-        child = subprocess.Popen(command, cwd=TREE, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+        pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.STDOUT}
+        child = subprocess.Popen(command, cwd=TREE, text=True, start_new_session=True, **pipes)  # type: ignore[call-overload]
         assert child.stdout is not None
         try:
             for words in child.stdout:
@@ -64,7 +66,8 @@ def run_tests(tests: Sequence[str], folder: Path, *, quick: bool, processes: int
         except KeyboardInterrupt:
             child.send_signal(signal.SIGINT)
             line.tell("interrupted: waiting for the results of the tests that are done")
-            log.write(child.communicate(timeout=PATIENCE)[0])
+            with suppress(subprocess.TimeoutExpired):
+                log.write(child.communicate(timeout=PATIENCE)[0])
             raise
         finally:
             child.kill()
