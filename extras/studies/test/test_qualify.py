@@ -29,6 +29,7 @@ import pytest
 def test_good(found):
     assert found == pytest.approx(1.0, rel=0.05)
     assert not found == pytest.approx(3.0, abs=0.1)
+    assert found != pytest.approx(3.0, abs=0.1)
     for value in (2.0, 2.25):
         assert [value, 2.0] == pytest.approx([2.0, 2.0], abs=0.5)
     np.testing.assert_allclose(np.array([3.0, 3.3]), 3.0, rtol=0.2)
