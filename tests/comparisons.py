@@ -11,7 +11,10 @@ import ast
 import cmath
 import json
 import math
+import os
+import signal
 import sys
+from collections import Counter
 from collections.abc import Iterator
 from functools import cache
 from numbers import Complex
@@ -21,7 +24,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-from heave_studies.qualify.results import PROPERTY
+from heave_node.ros.transport.parents_death import end_with
+from heave_studies.qualify.results import CASES, PROPERTY
 
 LIBRARIES = ("_pytest", "numpy", "contextlib.py", Path(__file__).name)
 """Parts of paths of code that compares for a test."""
@@ -100,9 +104,19 @@ _all_close = np.testing.assert_allclose
 
 
 def pytest_configure() -> None:
-    """Record from now on."""
+    """Record from now on; end with the command that runs the tests, and by an interrupt also in the background."""
+    end_with(os.getppid())
+    signal.signal(signal.SIGINT, signal.default_int_handler)
     Approx.__eq__ = equal  # type: ignore[method-assign]
     np.testing.assert_allclose = all_close
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Give each test the number of cases that it has, before any of the `items` is left out."""
+    cases = Counter(item.nodeid.partition("[")[0] for item in items)
+    for item in items:
+        item.user_properties.append((CASES, str(cases[item.nodeid.partition("[")[0]])))
 
 
 @pytest.hookimpl(wrapper=True)

@@ -68,7 +68,7 @@ def execute(options: argparse.Namespace) -> None:
         notes.append(f"no PDF: {error}")
     rows = [[model.name, str(len(of)), str(sum(one.outcome == PASSED for one in of))] for model, of in verdicts]
     result = [{"model": m.key, "claim": c.claim, "outcome": v.outcome, "worst": v.worst} for m, c, v in claims]
-    parts = [make_table(("model", "claims", "passed"), rows), "\n".join([*notes, f"page      {page}"])]
-    write_result(options, parts, {"page": str(page), "failures": failures, "claims": result})
+    words, table = "\n".join([*notes, f"page      {page}"]), make_table(("model", "claims", "passed"), rows)
+    write_result(options, [table, words], {"page": str(page), "failures": failures, "claims": result})
     if failures:
         raise VerdictError(failures, str(page))

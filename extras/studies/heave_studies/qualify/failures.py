@@ -44,14 +44,14 @@ def _rows(cases: Sequence[dict[str, Any]]) -> Iterator[list[str]]:
         effect = [case for case in of if case["shows"]]
         words = "; ".join(seen) or ("no alarm" if effect else "no effect, no alarm")
         kept = sum(not case["case"] and not case["failure"] for case in of)
-        times = [_times([case["named"] for case in effect]), _times([case["rest"] for case in of])]
+        times = [_times([case["named"] for case in effect], "never"), _times([case["rest"] for case in of], "goes on")]
         yield [fault, mode, str(len(of)), words, *times, f"{kept} of {len(of)}"]
 
 
-def _times(given: Sequence[Any]) -> str:
-    """Return median and largest of the times `given` [s]; "never" where no case has one."""
+def _times(given: Sequence[Any], none: str) -> str:
+    """Return median and largest of the times `given` [s]; `none` where all are infinite."""
     times = [float(time) for time in given if time is not None]
     finite = [time for time in times if math.isfinite(time)]
     if not times:
         return "-"
-    return f"{statistics.median(finite):.2g}, {max(finite):.3g} s" if finite else "never"
+    return f"{statistics.median(finite):.2g}, {max(finite):.3g} s" if finite else none

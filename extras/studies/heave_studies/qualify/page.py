@@ -70,7 +70,7 @@ def render(
 
 def _chapter(model: Model, verdicts: Sequence[Verdict]) -> dict[str, Any]:
     rows = [
-        {**vars(claim), "numbers": numbers(verdict.worst), "outcome": verdict.outcome, "message": verdict.message}
+        {**vars(claim), **vars(verdict), "worst": verdict.worst, "numbers": numbers(verdict.worst)}
         for claim, verdict in zip(model.claims, verdicts, strict=True)
     ]
     used = [float(one.worst["used"]) for one in verdicts if one.worst]

@@ -8,6 +8,7 @@ import signal
 import subprocess
 import sys
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -17,8 +18,8 @@ from heave_bringup.progress import ProgressLine
 
 from heave_studies.qualify.claims import TREE
 
-PROPERTY = "comparison"
-"""Property in the JUnit file, written by `tests/comparisons.py`; its value is a comparison as JSON."""
+PROPERTY, CASES = "comparison", "cases"
+"""Properties of a case in the JUnit file, by `tests/comparisons.py`: a comparison as JSON, the cases of its test."""
 JUNIT, LOG = "tests.xml", "tests.log"
 PASSED, FAILED, SKIPPED, NOT_RUN = "passed", "FAILED", "skipped", "not run"
 PATIENCE = 120.0
@@ -33,6 +34,7 @@ class Verdict:
     outcome: str  # PASSED, FAILED, SKIPPED or NOT_RUN; of a claim the worst of its cases
     message: str  # of a failure, or why it was skipped
     comparisons: tuple[Mapping[str, Any], ...]  # as `tests/comparisons.py` records them
+    total: int = 0  # number of cases that the test of a case has, run or not
 
     @property
     def worst(self) -> Mapping[str, Any] | None:
@@ -53,7 +55,8 @@ def run_tests(tests: Sequence[str], folder: Path, *, quick: bool, processes: int
     command += ["-n", str(processes), "--dist", "loadfile"] if processes > 1 else []
     (folder / JUNIT).unlink(missing_ok=True)
     with ProgressLine() as line, (folder / LOG).open("w", 1, encoding="utf-8") as log:
-        child = subprocess.Popen(command, cwd=TREE, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+        pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.STDOUT}
+        child = subprocess.Popen(command, cwd=TREE, text=True, start_new_session=True, **pipes)  # type: ignore[call-overload]
         assert child.stdout is not None
         try:
             for words in child.stdout:
@@ -64,7 +67,8 @@ def run_tests(tests: Sequence[str], folder: Path, *, quick: bool, processes: int
         except KeyboardInterrupt:
             child.send_signal(signal.SIGINT)
             line.tell("interrupted: waiting for the results of the tests that are done")
-            log.write(child.communicate(timeout=PATIENCE)[0])
+            with suppress(subprocess.TimeoutExpired):
+                log.write(child.communicate(timeout=PATIENCE)[0])
             raise
         finally:
             child.kill()
@@ -73,7 +77,8 @@ def run_tests(tests: Sequence[str], folder: Path, *, quick: bool, processes: int
 def read_cases(folder: Path) -> tuple[Verdict, ...]:
     """Return the cases that were run, from the JUnit file in a `folder`; none where there is no whole file."""
     try:
-        return tuple(map(_case, ElementTree.parse(folder / JUNIT).iter("testcase")))
+        found = ElementTree.parse(folder / JUNIT).iter("testcase")
+        return tuple(_case(one) for one in found if one.get("name"))  # one that an interrupt ended has none
     except (OSError, ElementTree.ParseError):
         return ()
 
@@ -83,15 +88,18 @@ def _case(element: ElementTree.Element) -> Verdict:
     part = next((one for kind in ("failure", "error", "skipped") for one in element.iter(kind)), None)
     outcome = PASSED if part is None else SKIPPED if part.tag == "skipped" else FAILED
     message = "" if part is None else " ".join(part.get("message", "").split())[:200]
-    notes = [one.get("value", "") for one in element.iter("property") if one.get("name") == PROPERTY]
-    return Verdict(test, outcome, message, tuple(map(json.loads, notes)))
+    notes = [(one.get("name"), one.get("value", "")) for one in element.iter("property")]
+    compared = tuple(json.loads(value) for name, value in notes if name == PROPERTY)
+    return Verdict(test, outcome, message, compared, int(dict(notes).get(CASES, 0)))
 
 
 def verdict_of(tests: Sequence[str], cases: Sequence[Verdict]) -> Verdict:
     """Return what the `tests` of a claim came to, of all `cases` that were run: the worst of them."""
     mine = [[case for case in cases if case.test.partition("[")[0] == test] for test in tests]
     flat = [case for of in mine for case in of]
-    outcomes = {case.outcome for case in flat} | (set() if all(mine) else {NOT_RUN})
+    outcomes = {case.outcome for case in flat} | (
+        set() if all(of and len(of) >= of[0].total for of in mine) else {NOT_RUN}
+    )
     outcome = next((one for one in (FAILED, NOT_RUN, SKIPPED) if one in outcomes), PASSED)
     message = next((case.message for case in flat if case.outcome == outcome), "")
     return Verdict("", outcome, message, tuple(one for case in flat for one in case.comparisons))
