@@ -1,0 +1,224 @@
+"""Effective mass and drag area of the load from a record of sensors: the reverse problem of thesis 6.4.
+
+The search of `whatif.identify` on the nominal cable, with wide priors on the load: depth and load cell of the record
+judge what boom tip (MRU) and payout (encoder) make of each load, with slack and quadratic drag. Stiffness and drag of
+the cable, scale and delay of the MRU have their usual priors, so that the bands allow for them.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property, partial
+
+import numpy as np
+from cable_sim_node.vertical.axial_line import AxialLine
+from cable_sim_node.vertical.axial_stepper import AxialError
+from winch_controller_node.beliefs.beliefs import Beliefs, corrections
+from winch_controller_node.node_parameters import WinchControllerParameters
+
+from heave_studies.identification import Fitted, IdentificationError
+from heave_studies.whatif.answer import assumed_high_pass
+from heave_studies.whatif.identify import (
+    BEGINS,
+    BEST,
+    CABLE_DRAG,
+    DAMPING,
+    EARLY,
+    INDEPENDENT,
+    INERTIA,
+    LATE,
+    LONGEST,
+    USUAL,
+    CableFit,
+    Evidence,
+    Search,
+    Values,
+    fitted,
+    point_of,
+    prior_of,
+    values_at,
+)
+from heave_studies.whatif.record import SensorRecord
+from heave_studies.whatif.spectra import tip_source
+from heave_studies.whatif.twin import (
+    Drive,
+    PlantFactors,
+    PlantMotion,
+    driven,
+    nominal_line,
+    past_winch,
+    scaled_line,
+    winch_under,
+)
+
+UNKNOWN = {INERTIA: 1.0, DAMPING: 2.0, EARLY: 1.0, LATE: 1.0}
+"""Standard deviations before the record: of the logarithms of effective mass and drag area, next to nothing is known;
+of the pulses [m] that make the motion in which the record begins."""
+MASSES = np.linspace(-1.2, 1.2, 17)
+"""Logarithms of the effective mass over the nominal one that are tried first: a resonance is narrow."""
+SHORTEST = 60.0
+"""Least time that is judged [s]: half a dozen waves."""
+LEAST_MOTION = 5.0
+"""Motion of the cable's top over what is not known of it, below which the record tells nothing [-]."""
+LEAST_FIT = 0.9
+"""Fit below which noise, or another cable than the nominal one, is too much of the load's motion."""
+BAND = 1.96
+"""Half width of a 95 % band of a logarithm [standard deviations]."""
+
+
+@dataclass(frozen=True)
+class Banded:
+    """A quantity of the load."""
+
+    name: str  # of it
+    unit: str  # its SI unit
+    value: float  # most likely one
+    low: float  # lower end of its 95 % band
+    high: float  # upper end of its 95 % band
+    nominal: float  # as the parameters state it
+    is_told: bool  # the record says more than was known before
+
+    def __str__(self) -> str:
+        """Return it in words."""
+        known = f"{self.value:.4g} {self.unit} (95 %: {self.low:.4g} to {self.high:.4g})"
+        return f"{self.name}: {known if self.is_told else 'not shown by this record'}, nominal {self.nominal:.4g}"
+
+
+@dataclass(frozen=True)
+class LoadIdentification(Fitted):
+    """What a record says of the load; `fit` is that of the depth where waves are."""
+
+    mass: Banded  # mass and vertical added mass [kg]
+    area: Banded  # C_D S of vertical motion [m^2]
+
+    def summary(self) -> str:
+        """Return both quantities with their bands, and the fit."""
+        return f"{self.mass}\n{self.area}\nfit {100.0 * self.fit:.2f} %"
+
+    def values(self) -> dict[str, object]:
+        """Return the numbers for a machine."""
+        of_both = {
+            f"{name}_{key}": {part: getattr(one, part) for part in ("value", "low", "high", "nominal", "is_told")}
+            for name, key, one in (("effective_mass", "kg", self.mass), ("drag_area", "m2", self.area))
+        }
+        return {**of_both, "fit": self.fit}
+
+
+class LoadEvidence(Evidence):
+    """Evidence in which inertia and damping are those of the load alone, and the record begins in any motion.
+
+    Two pulses of the cable's top, a quarter of the load's own period apart, make that motion before it is judged.
+    """
+
+    @cached_property
+    def radian(self) -> float:
+        """Time of a radian of the nominal load's own motion [s]."""
+        softness = sum(piece.length / piece.axial_stiffness for piece in self.assumed.pieces(self.nominal.length))
+        return math.sqrt(softness * self.assumed.unit.inertia)
+
+    @property
+    def start(self) -> float:
+        """See Evidence: after the pulses."""
+        return max(float(self.record.time[0]) + max(BEGINS, 8.0 * self.radian), self.end - LONGEST)
+
+    def line(self, values: Values) -> AxialLine:
+        """Return the nominal cable with the load under `values`."""
+        unit = self.assumed.unit
+        load = replace(unit, inertia=unit.inertia * values[INERTIA], drag=unit.drag * values[DAMPING])
+        return replace(scaled_line(self.assumed, PlantFactors(cable_drag=values[CABLE_DRAG])), unit=load)
+
+    def drive(self, values: Values, ticks: slice) -> Drive:
+        """See Evidence: with the pulses."""
+        plain = super().drive(values, ticks)
+        heave, rate = plain.tip.heave, plain.tip.rate
+        for name, place in ((EARLY, 3.0), (LATE, 3.0 + 0.5 * math.pi)):
+            s = plain.tick_period * np.arange(len(heave)) / self.radian - place
+            bell = values[name] * np.exp(-0.5 * s**2)
+            heave, rate = heave + bell, rate - s / self.radian * bell
+        return plain._replace(tip=plain.tip._replace(heave=heave, rate=rate))
+
+
+def identify_load(record: SensorRecord, nominal: WinchControllerParameters) -> LoadIdentification:
+    """Find effective mass and drag area of the load from depth, load cell, MRU and encoder.
+
+    Parameters
+    ----------
+    record : of the sensors, with the cable's top in motion
+    nominal : parameters of its controller, which state the cable
+
+    Raises
+    ------
+    IdentificationError : a record that is too short or without motion, or that does not tell the effective mass.
+    """
+    evidence = _evidence(record, nominal)
+    prior = {**prior_of(nominal), **UNKNOWN}
+    centre: Values = {**values_at(np.zeros(len(USUAL)), USUAL), EARLY: 0.0, LATE: 0.0}
+    loss = partial(_loss, evidence, prior)
+    starts = sorted(({**centre, INERTIA: math.exp(one)} for one in MASSES), key=loss)
+    fit = min(
+        (fitted(evidence, prior, start, [start], _followed) for start in starts[:BEST]), key=lambda f: loss(f.values)
+    )
+    unit, area = evidence.assumed.unit, 2.0 / nominal.water_density
+    mass = _banded("effective mass", "kg", fit, INERTIA, unit.inertia)
+    motion = driven(*evidence.drive(fit.values, evidence.ticks))
+    left = evidence.seen[0] - evidence.twin(fit.values, motion)[0]
+    explained = 1.0 - float(np.linalg.norm(left) / np.linalg.norm(evidence.seen[0]))
+    if explained < LEAST_FIT or not mass.is_told:
+        raise IdentificationError(
+            f"the record does not tell the effective mass: the nominal cable explains {100.0 * explained:.0f} % of the "
+            f"load's motion ({100.0 * LEAST_FIT:.0f} % are needed). Check length, cable and sensors, or record with "
+            "the winch locked in a rougher sea"
+        )
+    drag = _banded("drag area C_D S", "m2", fit, DAMPING, area * unit.drag)
+    times, depth = evidence.readings[0]
+    inside = times >= evidence.start
+    heave = np.interp(times[inside], record.time[evidence.ticks], motion.unit)
+    seen = depth[inside] - depth[inside].mean()
+    return LoadIdentification("quadratic", explained, times[inside], seen, heave - heave.mean(), mass, drag)
+
+
+def _loss(evidence: Evidence, prior: Values, values: Values) -> float:
+    """Return minus the log-likelihood of `values` [nats], the error of the boom tip as it is at their resonance."""
+    covariance = evidence.covariance(values, evidence.noise)
+    (point,) = Search(evidence, prior, values, evidence.noise, _followed).at(point_of(values))
+    return point.loss + INDEPENDENT * float(np.linalg.slogdet(covariance)[1].sum())
+
+
+def _driven(drive: Drive) -> PlantMotion:
+    """Return the motion of a plant under its `drive`; NaN where it has no solution."""
+    try:
+        return driven(*drive)
+    except AxialError:
+        return PlantMotion(*(np.full(len(drive.payout), np.nan) for _ in range(4)))
+
+
+def _followed(drives: Sequence[Drive]) -> list[PlantMotion]:
+    return [_driven(one) for one in drives]
+
+
+def _banded(name: str, unit: str, fit: CableFit, key: str, nominal: float) -> Banded:
+    value, wide = nominal * fit.values[key], math.exp(BAND * fit.sigma(key))
+    return Banded(name, unit, value, value / wide, value * wide, nominal, fit.tells(key))
+
+
+def _evidence(record: SensorRecord, nominal: WinchControllerParameters) -> LoadEvidence:
+    """Return what judges the load; raises IdentificationError where there is too little of it."""
+    beliefs = Beliefs(asked=-1)
+    source = tip_source(record, corrections(beliefs, nominal)["mru"], assumed_high_pass(beliefs, nominal))
+    winch = past_winch(record, winch_under(beliefs, nominal))
+    line = nominal_line(nominal)
+    if not line.unit.drag > 0.0:
+        line = replace(line, unit=replace(line.unit, drag=0.5 * nominal.water_density))
+    evidence = LoadEvidence(record, nominal, line, source, winch, 1.0)
+    if evidence.end - evidence.start < SHORTEST:
+        raise IdentificationError(f"{record.duration:.0f} s are too little: record {SHORTEST + BEGINS:.0f} s or more")
+    inside = record.time >= evidence.start
+    moved = float(np.std((source.plain.heave - winch.payout)[inside]))
+    if moved < LEAST_MOTION * source.plain.sigma or moved < 1e-3:
+        raise IdentificationError(
+            f"the top of the cable moved by {100.0 * moved:.2g} cm (sigma), of which {100.0 * source.plain.sigma:.2g} "
+            "cm are not known: this record tells nothing of the load; record with the winch locked, in a rougher sea"
+        )
+    return evidence
