@@ -31,6 +31,7 @@ from heave_studies.whatif.identify import (
     LATE,
     LONGEST,
     USUAL,
+    WIDER,
     CableFit,
     Evidence,
     Search,
@@ -199,7 +200,7 @@ def _followed(drives: Sequence[Drive]) -> list[PlantMotion]:
 
 
 def _banded(name: str, unit: str, fit: CableFit, key: str, nominal: float) -> Banded:
-    value, wide = nominal * fit.values[key], math.exp(BAND * fit.sigma(key))
+    value, wide = nominal * fit.values[key], math.exp(BAND * WIDER * fit.sigma(key))
     return Banded(name, unit, value, value / wide, value * wide, nominal, fit.tells(key))
 
 
