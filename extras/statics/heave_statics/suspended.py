@@ -9,6 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 from cable_sim_node.errors import NoEquilibriumError, StaticsError
+from cable_sim_node.line.rest.hanging import refuse_floating
 from cable_sim_node.parameters import CableSimParameters
 from cable_sim_node.physics.properties import body_properties, cable_sections, depth_at_rest, unit_properties
 from cable_sim_node.physics.tension_law import overstrained_words, stiffening, strain_at, yielding_words
@@ -20,6 +21,8 @@ from heave_statics.tables import STIFFNESS
 
 FEWEST_SEGMENTS = 100
 REST_ITERATIONS = 60
+SETTLED = 1e-11
+"""Relative change of a segment below which it is the same again."""
 
 
 def suspended_cable(parameters: CableSimParameters, end_load: PointLoad, *, dry: float = 0.0) -> StaticCable:
@@ -113,7 +116,7 @@ def shapes_at_rest(
     Raises
     ------
     NoEquilibriumError
-        if a tension law carries no load at the static strain, or this does not settle.
+        if a tension law carries no load at the static strain, this does not settle, or a load floats above the top.
     StaticsError
         if sections or bodies do not fit on a cable, or it is strained by more than LARGEST_STRAIN.
     """
@@ -131,6 +134,8 @@ def shapes_at_rest(
 def _at_rest(rope: Rope, shape: StaticShape) -> StaticCable:
     """Return the cable of a rope as wet and as stiff as in a `shape`."""
     parameters = rope.parameters
+    if parameters.surface and rope.end_load != PointLoad(0.0):
+        refuse_floating(float(shape.positions[0, 2]), float(shape.positions[-1, 2]))
     cable = suspended_cable(*rope, dry=_length_in_air(shape) if parameters.surface else 0.0)
     quadratic, cubic = parameters.cable.stiffness_quadratic, parameters.cable.stiffness_cubic
     if quadratic == 0.0 and cubic == 0.0:
@@ -146,12 +151,9 @@ def _at_rest(rope: Rope, shape: StaticShape) -> StaticCable:
 
 
 def _is_settled(before: StaticCable, after: StaticCable) -> bool:
-    """Return whether a cable is the same again: its joints to 1e-9 of its length, its stiffness to 1e-12."""
-    if before.segments.shape != after.segments.shape:
-        return False
-    stiffness = after.segments[:, STIFFNESS] / before.segments[:, STIFFNESS]
-    moved = np.abs(after.labels - before.labels).max()
-    return bool(moved < 1e-9 * after.length and np.abs(stiffness - 1.0).max() < 1e-12)
+    """Return whether a cable is the same again: lengths, stiffness, weight and drag of all segments."""
+    old, new = before.segments, after.segments
+    return old.shape == new.shape and bool(np.allclose(new, old, rtol=SETTLED, atol=0.0))
 
 
 def _length_in_air(shape: StaticShape) -> float:
