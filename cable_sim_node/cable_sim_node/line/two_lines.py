@@ -113,14 +113,14 @@ class TwoLines(CableDynamics):
         saved = [LineArrays(*(part.copy() for part in line)) for line in (self._line, self._second.arrays)]
         start, pull = self.second_pull, 2.0 * self.second_pull - self._before
         place, velocity = self.unit_position, self.unit_velocity
-        tips = [replace(tip, position=tip.position + self._beside) for tip in (tip_start, tip_end)]
+        begin, end = (replace(tip, position=tip.position + self._beside) for tip in (tip_start, tip_end))
         for _ in range(PASSES):
             self._line, self._second._line = (LineArrays(*(part.copy() for part in line)) for line in saved)
             self._pull_at_unit(0.5 * (start + pull))
             super().advance(duration, tip_start, tip_end, payout_start, payout_rate_start, payout_end, payout_rate_end)
             acceleration = (self.unit_velocity - velocity) / duration
             self._carry(place, velocity, acceleration)
-            self._second.advance(duration, *tips, 0.0, 0.0, 0.0, 0.0)
+            self._second.advance(duration, begin, end, 0.0, 0.0, 0.0, 0.0)
             self._carry(self.unit_position, self.unit_velocity, acceleration)
             pull = self._pull(acceleration)
         self._before, self.second_pull = start, pull

@@ -14,6 +14,7 @@ import numpy as np
 from cable_sim_node.errors import NoEquilibriumError, StaticsError
 from cable_sim_node.physics.current import FLOW, Current, current_at
 from heave_node.numerics.arrays import Array
+from numpy.typing import NDArray
 
 from heave_statics.problems import STILL_WATER, submerged_cable
 from heave_statics.shape import StaticShape
@@ -163,9 +164,9 @@ class _Network:
             stiffness[np.ix_(rows[is_free], rows[is_free])] += end_stiffness(shape)[np.ix_(is_free, is_free)]
         return pull, stiffness, largest
 
-    def _rows(self, name: str) -> Array:
+    def _rows(self, name: str) -> NDArray[np.int64]:
         """Return the rows of a point in x; -1 where it is held."""
-        return 3 * self._free.index(name) + np.arange(3) if name in self._free else np.full(3, -1)
+        return np.arange(3) + 3 * self._free.index(name) if name in self._free else np.full(3, -1)
 
     def search(self, start: Array, water: Current) -> Array | None:
         """Return the equilibrium found from a `start` in this `water`; None if the search does not end."""
@@ -178,7 +179,7 @@ class _Network:
             if not x.size or float(np.abs(pull).max()) < TOLERANCE * largest:
                 return x
             try:
-                step = np.linalg.solve(stiffness, pull)
+                step = np.asarray(np.linalg.solve(stiffness, pull), dtype=np.float64)
             except np.linalg.LinAlgError:
                 return None
             step *= min(1.0, longest / float(np.abs(step).max()))
