@@ -60,10 +60,10 @@ def second_line(parameters: CableSimParameters) -> CableSimParameters:
 
 
 class TwoLines(CableDynamics):
-    """The lift line with its unit, and the second line that pulls at it; all properties are the lift line's.
+    """The lift line with its unit, and the second line that pulls at it, as the `parameters` state them.
 
-    The second line's length stays; its top moves as the boom tip does, `second_line.at` beside it. Its own pull on the
-    unit is `second_pull` [N], shape (3,).
+    All properties are the lift line's. The second line's length stays; its top moves as the boom tip does,
+    `second_line.at` beside it. Its own pull on the unit is `second_pull` [N], shape (3,).
     """
 
     def __init__(self, parameters: CableSimParameters) -> None:

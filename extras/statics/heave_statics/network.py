@@ -29,10 +29,10 @@ SMALLEST_STEP = 2.0**-7
 
 @dataclass(frozen=True)
 class NetworkPoint:
-    """A point at which cables end."""
+    """A point at which cables end; a `load` acts on a free one, its label has no part in it."""
 
     place: tuple[float, float, float] | None  # held there [m], z up; None: it is free
-    load: PointLoad = PointLoad(0.0)  # noqa: RUF009 - frozen; on a free point, its label has no part in it
+    load: PointLoad = PointLoad(0.0)  # noqa: RUF009 - frozen
 
 
 @dataclass(frozen=True)
@@ -204,7 +204,8 @@ class _Network:
 def end_stiffness(shape: StaticShape) -> Array:
     """Return the derivative of the forces that hold both ends of a cable by the places of both ends [N/m], (6, 6).
 
-    With the partials A, B, C, D of place and force at s = L by place and tension at s = 0: dt0 = B^-1 (dxL - A dx0).
+    With the partials A, B, C, D of the `shape`, of place and force at s = L by place and tension at s = 0, it follows
+    from dt0 = B^-1 (dxL - A dx0).
     """
     (A, B), (C, D) = np.split(shape.partials[:3], 2, axis=1), np.split(shape.partials[3:], 2, axis=1)
     inverse = np.linalg.inv(B)

@@ -62,7 +62,7 @@ MASSES = np.linspace(-1.2, 1.2, 17)
 SHORTEST = 60.0
 """Least time that is judged [s]: half a dozen waves."""
 LEAST_MOTION = 5.0
-"""Motion of the cable's top over what is not known of it, below which the record tells nothing [-]."""
+"""Motion of the cable's top over what is not known of it, below which the record shows nothing of the load [-]."""
 LEAST_FIT = 0.9
 """Fit below which noise, or another cable than the nominal one, is too much of the load's motion."""
 BAND = 1.96
@@ -75,21 +75,21 @@ class Banded:
 
     name: str  # of it
     unit: str  # its SI unit
-    value: float  # most likely one
-    low: float  # lower end of its 95 % band
-    high: float  # upper end of its 95 % band
-    nominal: float  # as the parameters state it
-    is_told: bool  # the record says more than was known before
+    value: float  # most likely one [SI]
+    low: float  # lower end of its 95 % band [SI]
+    high: float  # upper end of its 95 % band [SI]
+    nominal: float  # as the parameters state it [SI]
+    is_shown: bool  # the record shows more than was known before
 
     def __str__(self) -> str:
         """Return it in words."""
         known = f"{self.value:.4g} {self.unit} (95 %: {self.low:.4g} to {self.high:.4g})"
-        return f"{self.name}: {known if self.is_told else 'not shown by this record'}, nominal {self.nominal:.4g}"
+        return f"{self.name}: {known if self.is_shown else 'not shown by this record'}, nominal {self.nominal:.4g}"
 
 
 @dataclass(frozen=True)
 class LoadIdentification(Fitted):
-    """What a record says of the load; `fit` is that of the depth where waves are."""
+    """What a record shows of the load; `fit` is that of the depth where waves are."""
 
     mass: Banded  # mass and vertical added mass [kg]
     area: Banded  # C_D S of vertical motion [m^2]
@@ -101,7 +101,7 @@ class LoadIdentification(Fitted):
     def values(self) -> dict[str, object]:
         """Return the numbers for a machine."""
         of_both = {
-            f"{name}_{key}": {part: getattr(one, part) for part in ("value", "low", "high", "nominal", "is_told")}
+            f"{name}_{key}": {part: getattr(one, part) for part in ("value", "low", "high", "nominal", "is_shown")}
             for name, key, one in (("effective_mass", "kg", self.mass), ("drag_area", "m2", self.area))
         }
         return {**of_both, "fit": self.fit}
@@ -151,7 +151,7 @@ def identify_load(record: SensorRecord, nominal: WinchControllerParameters) -> L
 
     Raises
     ------
-    IdentificationError : a record that is too short or without motion, or that does not tell the effective mass.
+    IdentificationError : a record that is too short or without motion, or that does not show the effective mass.
     """
     evidence = _evidence(record, nominal)
     prior = {**prior_of(nominal), **UNKNOWN}
@@ -166,9 +166,9 @@ def identify_load(record: SensorRecord, nominal: WinchControllerParameters) -> L
     motion = driven(*evidence.drive(fit.values, evidence.ticks))
     left = evidence.seen[0] - evidence.twin(fit.values, motion)[0]
     explained = 1.0 - float(np.linalg.norm(left) / np.linalg.norm(evidence.seen[0]))
-    if explained < LEAST_FIT or not mass.is_told:
+    if explained < LEAST_FIT or not mass.is_shown:
         raise IdentificationError(
-            f"the record does not tell the effective mass: the nominal cable explains {100.0 * explained:.0f} % of the "
+            f"the record does not show the effective mass: the nominal cable explains {100.0 * explained:.0f} % of the "
             f"load's motion ({100.0 * LEAST_FIT:.0f} % are needed). Check length, cable and sensors, or record with "
             "the winch locked in a rougher sea"
         )
@@ -220,6 +220,6 @@ def _evidence(record: SensorRecord, nominal: WinchControllerParameters) -> LoadE
     if moved < LEAST_MOTION * source.plain.sigma or moved < 1e-3:
         raise IdentificationError(
             f"the top of the cable moved by {100.0 * moved:.2g} cm (sigma), of which {100.0 * source.plain.sigma:.2g} "
-            "cm are not known: this record tells nothing of the load; record with the winch locked, in a rougher sea"
+            "cm are not known: this record shows nothing of the load; record with the winch locked, in a rougher sea"
         )
     return evidence

@@ -90,7 +90,7 @@ def test_a_slow_drift_of_the_depth_sensor_moves_nothing(nominal):
     ("changes", "words"),
     [
         ({"height": 0.002}, "the top of the cable moved by 0.1. cm"),
-        ({"payout": 1.0}, "this record tells nothing of the load; record with the winch locked"),
+        ({"payout": 1.0}, "this record shows nothing of the load; record with the winch locked"),
     ],
     ids=["calm sea", "compensated"],
 )

@@ -71,7 +71,7 @@ class LoadResponse:
 
 
 def stiffness_of(parameters: LoadResponseParameters) -> Array:
-    """Return the hydrostatic stiffness in heave [N/m], roll and pitch [N m/rad]."""
+    """Return the hydrostatic stiffness by the `parameters` in heave [N/m], roll and pitch [N m/rad]."""
     weight = parameters.displacement * STANDARD_GRAVITY
     return np.array(
         [
