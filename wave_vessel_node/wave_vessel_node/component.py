@@ -148,7 +148,7 @@ class WaveVessel:
         """Compute the motions of a block of ticks from the `first` one on: nothing that happens in a run changes them.
 
         The readings of the block before have been taken. Of a ship that answers to its load a block is one tick, with
-        what the `tension` a tick before [N] makes of it.
+        its answer to the `tension` a tick before [N].
         """
         ticks = block_from(first) if self._load is None else range(first, first + 1)
         self._first, self._motions = first, self._source.motions(ticks)

@@ -29,8 +29,8 @@ class LoadResponse:
     parameters : of the ship's hydrostatics
     arm : boom tip from the ship's reference point [m], shape (3,)
     tick_period : [s]
-    is_tip : the boom tip itself is the reference point of the ship's motion, as of the second-order vessel: heave has
-        what roll and pitch make of it there
+    is_tip : the boom tip itself is the reference point of the ship's motion, as of the second-order vessel: heave holds
+        the part of roll and pitch there
     """
 
     def __init__(self, parameters: LoadResponseParameters, arm: Array, tick_period: float, *, is_tip: bool) -> None:

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 SUMMARY = (
     "Fit the second-order cable model a z'' + b z' + z = z0 - p, or mass and drag area of the load, to a response."
 )
-EXAMPLES = ("heave identify b3_deep_900 --drag quadratic", "heave identify runs/b3_off/bag --reverse")
+EXAMPLES = ("heave identify b3_deep_900 --drag quadratic",)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
