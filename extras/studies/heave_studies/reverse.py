@@ -8,13 +8,13 @@ the cable, scale and delay of the MRU have their usual priors, so that the bands
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 
 import numpy as np
 from cable_sim_node.vertical.axial_line import AxialLine
 from cable_sim_node.vertical.axial_stepper import AxialError
+from heave_node.numerics.arrays import Array, ComplexArray
 from winch_controller_node.beliefs.beliefs import Beliefs, corrections
 from winch_controller_node.node_parameters import WinchControllerParameters
 
@@ -26,6 +26,7 @@ from heave_studies.whatif.identify import (
     CABLE_DRAG,
     DAMPING,
     EARLY,
+    FIRST,
     INDEPENDENT,
     INERTIA,
     LATE,
@@ -36,17 +37,16 @@ from heave_studies.whatif.identify import (
     Evidence,
     Search,
     Values,
-    fitted,
     point_of,
     prior_of,
+    settled,
     values_at,
 )
 from heave_studies.whatif.record import SensorRecord
-from heave_studies.whatif.spectra import tip_source
+from heave_studies.whatif.spectra import TipSource, smoothed_tip
 from heave_studies.whatif.twin import (
     Drive,
     PlantFactors,
-    PlantMotion,
     driven,
     nominal_line,
     past_winch,
@@ -113,6 +113,8 @@ class LoadEvidence(Evidence):
     Two pulses of the cable's top, a quarter of the load's own period apart, make that motion before it is judged.
     """
 
+    names = (*USUAL, EARLY, LATE)
+
     @cached_property
     def radian(self) -> float:
         """Time of a radian of the nominal load's own motion [s]."""
@@ -129,6 +131,13 @@ class LoadEvidence(Evidence):
         unit = self.assumed.unit
         load = replace(unit, inertia=unit.inertia * values[INERTIA], drag=unit.drag * values[DAMPING])
         return replace(scaled_line(self.assumed, PlantFactors(cable_drag=values[CABLE_DRAG])), unit=load)
+
+    def gap(self, values: Values) -> ComplexArray:
+        """See Evidence: NaN where the cable has no solution."""
+        try:
+            return super().gap(values)
+        except AxialError:
+            return np.full_like(self.seen, np.nan)
 
     def drive(self, values: Values, ticks: slice) -> Drive:
         """See Evidence: with the pulses."""
@@ -154,18 +163,16 @@ def identify_load(record: SensorRecord, nominal: WinchControllerParameters) -> L
     IdentificationError : a record that is too short or without motion, or that does not show the effective mass.
     """
     evidence = _evidence(record, nominal)
-    prior = {**prior_of(nominal), **UNKNOWN}
-    centre: Values = {**values_at(np.zeros(len(USUAL)), USUAL), EARLY: 0.0, LATE: 0.0}
+    prior, noise = {**prior_of(nominal), **UNKNOWN}, evidence.noise
     loss = partial(_loss, evidence, prior)
-    starts = sorted(({**centre, INERTIA: math.exp(one)} for one in MASSES), key=loss)
-    fit = min(
-        (fitted(evidence, prior, start, [start], _followed) for start in starts[:BEST]), key=lambda f: loss(f.values)
-    )
+    place = np.eye(len(evidence.names))[evidence.names.index(INERTIA)]
+    starts = sorted((one * place for one in MASSES), key=loss)[:BEST]
+    begun = [Search(evidence, prior, x, noise).followed(x, FIRST) for x in starts]
+    fit = min((settled(evidence, prior, one) for one in begun), key=lambda one: loss(point_of(one.values)))
     unit, area = evidence.assumed.unit, 2.0 / nominal.water_density
     mass = _banded("effective mass", "kg", fit, INERTIA, unit.inertia)
-    motion = driven(*evidence.drive(fit.values, evidence.ticks))
-    left = evidence.seen[0] - evidence.twin(fit.values, motion)[0]
-    explained = 1.0 - float(np.linalg.norm(left) / np.linalg.norm(evidence.seen[0]))
+    motion = driven(evidence.drive(fit.values, evidence.ticks))
+    explained = 1.0 - float(np.linalg.norm(evidence.gap(fit.values)[0]) / np.linalg.norm(evidence.seen[0]))
     if explained < LEAST_FIT or not mass.is_shown:
         raise IdentificationError(
             f"the record does not show the effective mass: the nominal cable explains {100.0 * explained:.0f} % of the "
@@ -180,23 +187,12 @@ def identify_load(record: SensorRecord, nominal: WinchControllerParameters) -> L
     return LoadIdentification("quadratic", explained, times[inside], seen, heave - heave.mean(), mass, drag)
 
 
-def _loss(evidence: Evidence, prior: Values, values: Values) -> float:
-    """Return minus the log-likelihood of `values` [nats], the error of the boom tip as it is at their resonance."""
-    covariance = evidence.covariance(values, evidence.noise)
-    (point,) = Search(evidence, prior, values, evidence.noise, _followed).at(point_of(values))
-    return point.loss + INDEPENDENT * float(np.linalg.slogdet(covariance)[1].sum())
-
-
-def _driven(drive: Drive) -> PlantMotion:
-    """Return the motion of a plant under its `drive`; NaN where it has no solution."""
-    try:
-        return driven(*drive)
-    except AxialError:
-        return PlantMotion(*(np.full(len(drive.payout), np.nan) for _ in range(4)))
-
-
-def _followed(drives: Sequence[Drive]) -> list[PlantMotion]:
-    return [_driven(one) for one in drives]
+def _loss(evidence: Evidence, prior: Values, x: Array) -> float:
+    """Return minus the log-likelihood of a point `x` [nats], the error of the boom tip as it is at its resonance."""
+    covariance = evidence.covariance(values_at(x, evidence.names), evidence.noise)
+    loss = Search(evidence, prior, x, evidence.noise).loss(x)
+    loss += INDEPENDENT * float(np.linalg.slogdet(covariance)[1].sum())
+    return loss if math.isfinite(loss) else math.inf
 
 
 def _banded(name: str, unit: str, fit: CableFit, key: str, nominal: float) -> Banded:
@@ -207,7 +203,8 @@ def _banded(name: str, unit: str, fit: CableFit, key: str, nominal: float) -> Ba
 def _evidence(record: SensorRecord, nominal: WinchControllerParameters) -> LoadEvidence:
     """Return what judges the load; raises IdentificationError where there is too little of it."""
     beliefs = Beliefs(asked=-1)
-    source = tip_source(record, corrections(beliefs, nominal)["mru"], assumed_high_pass(beliefs, nominal))
+    high_pass = assumed_high_pass(beliefs, nominal)
+    source = TipSource(record.time, smoothed_tip(record, corrections(beliefs, nominal)["mru"], high_pass), high_pass)
     winch = past_winch(record, winch_under(beliefs, nominal))
     line = nominal_line(nominal)
     if not line.unit.drag > 0.0:
