@@ -41,6 +41,13 @@ PREVIEW = {
     "winch_controller.modes.fade_in_time": "5",
 }
 
+LOAD_RESPONSE = {
+    "wave_vessel.load_response.displacement": "60000.0",
+    "wave_vessel.load_response.waterplane_area": "20.0",
+    "wave_vessel.ramp": "2.0",
+    "winch_controller.modes.settling_time": "2",
+    "winch_controller.modes.fade_in_time": "2",
+}
 WAVES = {
     "system.length": "20.0",
     "cable_sim.segments": "2",
@@ -88,6 +95,13 @@ def test_a_run_over_ros_is_the_run_in_one_process(calm_bag):
 def test_so_it_is_in_water_and_gravity_other_than_believed_and_at_the_limits_of_the_winch(tmp_path):
     options = [part for name, value in OTHER_WATER.items() for part in ("--set", f"{name}={value}")]
     compare(run_scenario(tmp_path / "run", duration=25.0, options=options))
+
+
+@pytest.mark.long
+def test_so_it_is_with_a_ship_that_answers_to_its_load(tmp_path):
+    """A tenth of the ship's mass, and in a process each: the vessel waits for the tension of each tick."""
+    options = [part for name, value in LOAD_RESPONSE.items() for part in ("--set", f"{name}={value}")]
+    compare(run_scenario(tmp_path / "run", duration=10.0, options=options))
 
 
 @pytest.mark.long

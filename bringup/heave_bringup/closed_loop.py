@@ -140,7 +140,7 @@ class ClosedLoop:
         """Do one tick; return what the controller gave and the row of the record."""
         tick = self.tick
         state, readings = self.plant.readings(tick)
-        vessel = self.sea.step(tick)
+        vessel = self.sea.step(tick, state.top_tension)
         if tick == 1:
             self.plant.set_waves(self.sea.waves())
         delivered = self._deliver(readings, vessel)

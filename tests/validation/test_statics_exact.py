@@ -5,6 +5,7 @@ import math
 
 import numpy as np
 import pytest
+from heave_statics.network import NetworkCable, NetworkPoint, solve_network
 from heave_statics.problems import mooring_cable, submerged_cable
 from heave_statics.system import PointLoad, StaticSection, static_cable
 from scipy.integrate import solve_ivp
@@ -151,6 +152,30 @@ def test_tensions_agree_with_moorpy():
     """Catenaries of `make bench`; MoorPy's own solver stops at 1e-6 of the span."""
     pytest.importorskip("moorpy")
     assert [row["difference_percent"] for row in measure_statics(solves=1)] == pytest.approx([0.0] * 4, abs=1e-4)
+
+
+def test_two_cables_to_one_load_agree_with_moorpy():
+    """A heavy lift line and a light one from elsewhere; MoorPy's point of 2 t displaces nothing."""
+    moorpy = pytest.importorskip("moorpy")
+    system = moorpy.System(depth=400.0)
+    kinds = {"heavy": (210.0, 1e7, 25.0, (0.0, 0.0, 0.0)), "light": (260.0, 2e6, 5.0, (-40.0, 15.0, 0.0))}
+    points, ropes = {"unit": NetworkPoint(None, PointLoad(0.0, (0.0, 0.0, -2e4)))}, []
+    system.addPoint(0, [0.0, 0.0, -200.0], m=2e4 / system.g)
+    unknown = dict.fromkeys(("cost", "EAd", "EAd_Lm", "Cd", "CdAx", "Ca", "CaAx"), 0.0)
+    for number, (name, (length, stiffness, weight, place)) in enumerate(kinds.items()):
+        mass = system.rho * 0.25 * np.pi * 0.05**2 + weight / system.g
+        sizes = {"name": name, "material": "", "d_vol": 0.05, "input_d": 0.05, "m": mass, "w": weight, "EA": stiffness}
+        system.lineTypes[name] = unknown | sizes
+        system.addPoint(1, list(place))
+        system.addLine(length, name, pointA=1, pointB=number + 2)
+        points[name] = NetworkPoint(place)
+        ropes.append(NetworkCable("unit", name, static_cable([StaticSection(length, stiffness, weight)], segments=20)))
+    system.initialize()
+    system.solveEquilibrium(tol=1e-9)
+    found = solve_network(points, ropes)
+    assert found.places["unit"] == pytest.approx(system.pointList[0].r, abs=1e-6)
+    for shape, line in zip(found.shapes, system.lineList, strict=True):
+        assert (np.linalg.norm(shape.start_force), shape.top_tension) == pytest.approx((line.TA, line.TB), rel=1e-7)
 
 
 def test_the_sloped_mirror_has_the_forces_of_the_sloped_cable_exchanged():

@@ -25,6 +25,7 @@ from wave_vessel_node.sources.preview import PreviewSource
 from wave_vessel_node.sources.scene import Scene, build_scene
 from wave_vessel_node.vessel.crane_motion import CraneMotion, PoseSensor
 from wave_vessel_node.vessel.fit import VesselFit
+from wave_vessel_node.vessel.load_response import LoadResponse
 from wave_vessel_node.vessel.motion import VesselMotions, lever_arm_matrix, point_motions
 
 OTHER_WAVES = 1_000_003
@@ -76,6 +77,10 @@ class WaveVessel:
         waves = _waves_of(self._scene)
         self._source = _with_change_and_ramp(waves, self._scene)
         self._lever = lever_arm_matrix(self._scene.boom_tip_arm)
+        self._load = None
+        if parameters.load_response.displacement > 0.0:
+            arm, is_tip = np.array(parameters.vessel.boom_tip_arm), self._scene.rao is None
+            self._load = LoadResponse(parameters.load_response, arm, tick_period, is_tip=is_tip)
         self._crane = self._build_crane()
         self.pose_sensor: PoseSensor | None = None
         if self._crane is not None and parameters.crane.pose.fitted:
@@ -109,17 +114,20 @@ class WaveVessel:
         return self._tip(0)
 
     def boom_tips(self, count: int) -> list[PointMotion]:
-        """Return the motion of the boom tip at the first `count` ticks: instead of `step`, where no MRU is read."""
+        """Return the motion of the boom tip at the first `count` ticks, as without a load.
+
+        It stands for `step` where no MRU is read.
+        """
         tips: list[PointMotion] = []
         while len(tips) < count:
             tips += map(self._tip, range(len(self._tips)))
             self._take_block(len(tips) + 1)
         return tips[:count]
 
-    def step(self, tick: int) -> WaveVesselOutputs:
+    def step(self, tick: int, tension: float = math.nan) -> WaveVesselOutputs:
         """Return the MRU reading of t_k and the motions of t_{k+1}, k = `tick`; raise ValueError if it is not the next.
 
-        Ticks come in order, from 1.
+        Ticks come in order, from 1. A ship that answers to its load is given the `tension` at the boom tip at t_k [N].
         """
         if tick != self._next_tick:
             raise ValueError(f"ticks must come in order: expected {self._next_tick}, got {tick}")
@@ -127,7 +135,7 @@ class WaveVessel:
         poses = () if self.pose_sensor is None else self.pose_sensor.step(tick)
         row = tick + 1 - self._first
         if row == len(self._tips):
-            self._take_block(tick + 1)
+            self._take_block(tick + 1, tension)
             row = 0
         self._next_tick = tick + 1
         if reading is not None:
@@ -136,12 +144,16 @@ class WaveVessel:
         preview = None if self._preview is None else self._preview.step(tick)
         return WaveVesselOutputs(reading, self._tip(row), self._motions, row, estimate, preview, poses)
 
-    def _take_block(self, first: int) -> None:
+    def _take_block(self, first: int, tension: float = math.nan) -> None:
         """Compute the motions of a block of ticks from the `first` one on: nothing that happens in a run changes them.
 
-        The readings of the block before have been taken.
+        The readings of the block before have been taken. Of a ship that answers to its load a block is one tick, with
+        its answer to the `tension` a tick before [N].
         """
-        self._first, self._motions = first, self._source.motions(block_from(first))
+        ticks = block_from(first) if self._load is None else range(first, first + 1)
+        self._first, self._motions = first, self._source.motions(ticks)
+        if self._load is not None:
+            self._motions.six = self._motions.six + self._load.step(tension)
         self._tips = self._points(self._motions)
         seen = self._tips if self._crane is None else self._points_of_mru(self._motions)
         heave = seen[:, :, 2].copy()
@@ -202,11 +214,14 @@ def boom_tip_heave(parameters: WaveVesselParameters, seed: int, tick_period: flo
     """Return heave, heave rate and acceleration of the boom tip at the first `count` ticks, shape (count, 3).
 
     They are the vertical part of `WaveVessel.boom_tips` by one sum; None where there is none: with a source without
-    components, a later sea, a crane. `parameters`, `seed` and `tick_period` [s] are those of a `WaveVessel`.
+    components, a later sea, a crane, a ship that answers to its load. `parameters`, `seed` and `tick_period` [s] are
+    those of a `WaveVessel`.
     """
     scene = build_scene(parameters, seed, tick_period)
     one = _waves_of(scene).point_heave(lever_arm_matrix(scene.boom_tip_arm)[2])
     if one is None or parameters.crane.is_fitted or parameters.later_sea.duration > 0.0:
+        return None
+    if parameters.load_response.displacement > 0.0:
         return None
     heave, ramp = one.at(range(1, count + 1)), parameters.ramp
     grown = min(math.ceil(ramp / tick_period), count)

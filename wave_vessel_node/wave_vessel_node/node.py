@@ -12,6 +12,7 @@ from heave_node.interface.sensors import MRU, STANDARD_WATER
 from heave_node.ros.diagnostics import Health, Level, alarm_health
 from heave_node.ros.fault_service import FaultService
 from heave_node.ros.participant import ParticipantNode
+from heave_node.ros.ports import Input
 from heave_node.ros.process import run_process
 from heave_node.tick.tick import Tick
 
@@ -32,6 +33,7 @@ class WaveVesselNode(ParticipantNode):
 
     name = "wave_vessel"
     parameters_type = WaveVesselParameters
+    tension: Input | None = None  # of the cable, where the ship answers to it
 
     def on_build(self) -> None:
         """See HeaveNode. Compiles the sum of components by asking for the first motion."""
@@ -48,6 +50,8 @@ class WaveVesselNode(ParticipantNode):
         self.preview = self.add_output(topics.HEAVE_PREVIEW) if previews else None
         crane = self.parameters.crane
         self.crane = self.add_output(topics.CRANE_POSE) if crane.is_fitted and crane.pose.fitted else None
+        answers = self.parameters.load_response.displacement > 0.0
+        self.tension = self.add_input(topics.CABLE_STATE, ("top_tension",), holds_ahead=True) if answers else None
         self._mru_messages = SensorMessages(MRU)
         self._last_reading_time = 0.0
         self._last_status: int = MruStatus.OK
@@ -65,6 +69,8 @@ class WaveVesselNode(ParticipantNode):
         if tick.number == 1:
             self.sea_state.publish(messages.sea_state_message(self.component.sea_state(), tick.start_nanoseconds))
             self.waves.publish(messages.waves_message(self.component.waves()))
+        if self.tension is not None:
+            self.take(self.tension)
         outputs = self._outputs_of(tick)
         reading = outputs.mru
         if reading is not None:
@@ -92,8 +98,9 @@ class WaveVesselNode(ParticipantNode):
         self._outputs_of(tick)
 
     def prepare(self, number: int) -> None:
-        """See ParticipantNode. The sea waits for nobody, and the controller need not wait for the sea."""
-        self._prepared = self.component.step(number)
+        """See ParticipantNode. A sea without a load waits for nobody, and the controller need not wait for the sea."""
+        if self.tension is None:
+            self._prepared = self.component.step(number)
 
     @property
     def next_tick(self) -> int:
@@ -102,7 +109,10 @@ class WaveVesselNode(ParticipantNode):
 
     def _outputs_of(self, tick: Tick) -> WaveVesselOutputs:
         outputs, self._prepared = self._prepared, None
-        return self.component.step(tick.number) if outputs is None else outputs
+        if outputs is not None:
+            return outputs
+        newest = None if self.tension is None else self.tension.latest
+        return self.component.step(tick.number, *([] if newest is None else newest.numbers[:1]))
 
     def diagnose(self) -> list[Health]:
         """Tell how the MRU is, and what was repaired in the files read."""

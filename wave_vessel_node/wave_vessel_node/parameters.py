@@ -49,6 +49,21 @@ class VesselParameters(VesselAnswer):
 
 
 @dataclass(frozen=True)
+class LoadResponseParameters:
+    """How the ship answers to the tension at the boom tip."""
+
+    displacement: float = parameter(0.0, "kg", 0.0, None,
+        "Mass of the ship that gives way to the load in heave, roll and pitch; 0: it does not.")  # fmt: skip
+    waterplane_area: float = parameter(1500.0, "m^2", 1.0, None, "Waterplane area.")
+    metacentric_height: tuple[float, ...] = parameter((1.5, 110.0), "m", 0.01, None,
+        "Metacentric heights: transverse, longitudinal.", length=2)  # fmt: skip
+    natural_period: tuple[float, ...] = parameter((7.0, 12.0, 6.5), "s", 1.0, 100.0,
+        "Natural periods of heave, roll and pitch.", length=3)  # fmt: skip
+    damping_ratio: tuple[float, ...] = parameter((0.3, 0.06, 0.3), "", 0.0, 2.0,
+        "Damping ratios of heave, roll and pitch.", length=3)  # fmt: skip
+
+
+@dataclass(frozen=True)
 class CourseParameters:
     """Heading and forward speed. The speed matters to model rao (encounter)."""
 
@@ -251,6 +266,7 @@ class WaveVesselParameters(SeaParameters):
         description="Accept implausible values in the files of sea, recording and RAOs.")  # fmt: skip
     filter: ShapingFilterParameters = group(ShapingFilterParameters)
     vessel: VesselParameters = group(VesselParameters)
+    load_response: LoadResponseParameters = group(LoadResponseParameters)
     crane: CraneMotionParameters = group(CraneMotionParameters)
     course: CourseParameters = group(CourseParameters)
     mru: MruParameters = group(MruParameters)

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 from cable_sim_node.errors import NoEquilibriumError, StaticsError
@@ -19,8 +20,9 @@ from heave_statics.system import PointLoad, StaticCable, StaticSection, static_c
 from heave_statics.tables import STIFFNESS
 
 FEWEST_SEGMENTS = 100
-STIFFNESS_ITERATIONS = 50
-SURFACE_ITERATIONS = 50
+REST_ITERATIONS = 60
+SETTLED = 1e-11
+"""Relative change of a segment below which it is the same again."""
 
 
 def suspended_cable(parameters: CableSimParameters, end_load: PointLoad, *, dry: float = 0.0) -> StaticCable:
@@ -78,32 +80,80 @@ def shape_at_rest(
     Parameters
     ----------
     parameters : of the plant
-    solve : as `with_tension_law` takes it
+    solve : returns the shape of a cable whose tension law is linear
     end_load : what is at s = 0; the unit, as wet as it is where it comes to rest, if None
 
-    Raises as `with_tension_law` and `suspended_cable`.
+    Raises as `shapes_at_rest`.
     """
     if end_load is not None:
-        return _shape_under(parameters, solve, end_load)
+        return shapes_at_rest([Rope(parameters, end_load)], lambda cables: [solve(cables[0])])[0]
 
     def shape_at(depth: float) -> StaticShape:
-        return _shape_under(parameters, solve, unit_load(parameters, depth))
+        return shape_at_rest(parameters, solve, unit_load(parameters, depth))
 
     return shape_at(depth_at_rest(parameters, lambda depth: -float(shape_at(depth).positions[0, 2])))
 
 
-def _shape_under(
-    parameters: CableSimParameters, solve: Callable[[StaticCable], StaticShape], end_load: PointLoad
-) -> StaticShape:
-    dry = 0.0
-    for _ in range(SURFACE_ITERATIONS):
-        shape = with_tension_law(parameters, suspended_cable(parameters, end_load, dry=dry), solve)
-        if parameters.surface:
-            refuse_floating(float(shape.positions[0, 2]), float(shape.positions[-1, 2]))
-        before, dry = dry, _length_in_air(shape) if parameters.surface else 0.0
-        if abs(dry - before) < 1e-9 * parameters.length:
-            return shape
-    raise NoEquilibriumError("the length of cable above the surface does not converge")
+class Rope(NamedTuple):
+    """A cable of a plant, and what is at its end s = 0."""
+
+    parameters: CableSimParameters  # of the plant
+    end_load: PointLoad  # at s = 0
+
+
+def shapes_at_rest(
+    ropes: Sequence[Rope], solve: Callable[[list[StaticCable]], Sequence[StaticShape]]
+) -> list[StaticShape]:
+    """Return the shapes that a solver finds for several ropes, under their tension laws and with their tops in air.
+
+    Parameters
+    ----------
+    ropes : the lower end of each is s = 0
+    solve : solver, which takes each segment's tension law as linear and knows nothing of the surface: it is called
+        again and again, with every segment's secant stiffness at its mean tension and its weight in air or water, until
+        these settle
+
+    Raises
+    ------
+    NoEquilibriumError
+        if a tension law carries no load at the static strain, this does not settle, or a load floats above the top.
+    StaticsError
+        if sections or bodies do not fit on a cable, or it is strained by more than LARGEST_STRAIN.
+    """
+    cables = [suspended_cable(*rope) for rope in ropes]
+    for _ in range(REST_ITERATIONS):
+        shapes = list(solve(cables))
+        before, cables = cables, [_at_rest(rope, shape) for rope, shape in zip(ropes, shapes, strict=True)]
+        if all(_is_settled(old, new) for old, new in zip(before, cables, strict=True)):
+            for rope, shape in zip(ropes, shapes, strict=True):
+                refuse_overstrained(rope.parameters, shape.largest_strain)
+            return shapes
+    raise NoEquilibriumError("the strain under the tension law, or the length above the surface, does not converge")
+
+
+def _at_rest(rope: Rope, shape: StaticShape) -> StaticCable:
+    """Return the cable of a rope as wet and as stiff as in a `shape`."""
+    parameters = rope.parameters
+    if parameters.surface and rope.end_load != PointLoad(0.0):
+        refuse_floating(float(shape.positions[0, 2]), float(shape.positions[-1, 2]))
+    cable = suspended_cable(*rope, dry=_length_in_air(shape) if parameters.surface else 0.0)
+    quadratic, cubic = parameters.cable.stiffness_quadratic, parameters.cable.stiffness_cubic
+    if quadratic == 0.0 and cubic == 0.0:
+        return cable
+    tension = 0.5 * (np.linalg.norm(shape.lower, axis=1) + np.linalg.norm(shape.upper, axis=1))
+    middles = [0.5 * (one.labels[1:] + one.labels[:-1]) for one in (cable, shape.cable)]
+    strain = np.interp(middles[0], middles[1], tension / shape.cable.segments[:, STIFFNESS])
+    segments = cable.segments.copy()
+    segments[:, STIFFNESS] *= stiffening.py_func(quadratic, cubic, strain)
+    if not np.all(segments[:, STIFFNESS] > 0.0):
+        raise NoEquilibriumError(yielding_words(quadratic, cubic))
+    return replace(cable, segments=segments)
+
+
+def _is_settled(before: StaticCable, after: StaticCable) -> bool:
+    """Return whether a cable is the same again: lengths, stiffness, weight and drag of all segments."""
+    old, new = before.segments, after.segments
+    return old.shape == new.shape and bool(np.allclose(new, old, rtol=SETTLED, atol=0.0))
 
 
 def _length_in_air(shape: StaticShape) -> float:
@@ -119,48 +169,6 @@ def _length_in_air(shape: StaticShape) -> float:
     return float(labels[-1] - labels[i] - share * (labels[i + 1] - labels[i]))
 
 
-def with_tension_law(
-    parameters: CableSimParameters, cable: StaticCable, solve: Callable[[StaticCable], StaticShape]
-) -> StaticShape:
-    """Return the shape that a solver finds under the tension law of the parameters.
-
-    Parameters
-    ----------
-    parameters : of the plant
-    cable : with the stiffness of small strain
-    solve : solver, which takes each segment's tension law as linear; where it is not, it is called again and again with
-        every segment's secant stiffness at its mean tension, until that settles
-
-    Raises
-    ------
-    NoEquilibriumError
-        if the law carries no load at the static strain, or the strain does not settle.
-    StaticsError
-        if the cable is strained by more than LARGEST_STRAIN.
-    """
-    quadratic, cubic = parameters.cable.stiffness_quadratic, parameters.cable.stiffness_cubic
-    shape = solve(cable)
-    if quadratic == 0.0 and cubic == 0.0:
-        refuse_overstrained(parameters, shape.largest_strain)
-        return shape
-    small_strain = cable.segments[:, STIFFNESS].copy()
-    for _ in range(STIFFNESS_ITERATIONS):
-        tension = 0.5 * (np.linalg.norm(shape.lower, axis=1) + np.linalg.norm(shape.upper, axis=1))
-        strain = tension / cable.segments[:, STIFFNESS]
-        wanted = small_strain * stiffening.py_func(quadratic, cubic, strain)
-        if not np.all(wanted > 0.0):
-            raise NoEquilibriumError(yielding_words(quadratic, cubic))
-        segments = cable.segments.copy()
-        segments[:, STIFFNESS] = wanted
-        settled = float(np.max(np.abs(wanted / cable.segments[:, STIFFNESS] - 1.0))) < 1e-12
-        cable = replace(cable, segments=segments)
-        shape = solve(cable)
-        if settled:
-            refuse_overstrained(parameters, shape.largest_strain)
-            return shape
-    raise NoEquilibriumError("the static strain does not converge under the cable's tension law")
-
-
 def refuse_overstrained(parameters: CableSimParameters, strain: float) -> None:
     """Raise StaticsError for a `strain` [-] in which a cable of the `parameters` parts."""
     words = overstrained_words(strain, parameters.cable.axial_stiffness)
@@ -169,7 +177,7 @@ def refuse_overstrained(parameters: CableSimParameters, strain: float) -> None:
 
 
 def refuse_unbearable(parameters: CableSimParameters, strain: float) -> None:
-    """Raise as `with_tension_law` for a tension that strains a linear cable of the `parameters` by `strain` [-]."""
+    """Raise as `shapes_at_rest` for a tension that strains a linear cable of the `parameters` by `strain` [-]."""
     law = parameters.cable.stiffness_quadratic, parameters.cable.stiffness_cubic
     true = float(strain_at(1.0, *law, strain))
     if math.isnan(true):

@@ -7,6 +7,7 @@ Besides a and b the start of the record and the mean of the sensor are found, so
 from __future__ import annotations
 
 import math
+from abc import ABC, abstractmethod
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -63,19 +64,29 @@ class IdentificationError(ValueError):
 
 
 @dataclass(frozen=True)
-class Identification:
-    """What was found."""
+class Fitted(ABC):
+    """A model that was fitted to the load's heave."""
 
     drag: str  # "linear" (Eq. 6.2) or "quadratic" (Eq. 6.3)
-    a: float  # [s^2]
-    b: float  # [s], or [s^2/m] where drag is quadratic
-    covariance: Array  # of (a, b), shape (2, 2); it allows for the time correlation of the residual
     fit: float  # 1 - norm(residual)/norm(response about its mean) [-]; 1 is perfect
-    residual_sigma: float  # [m]
-    iterations: int  # steps taken
     time: Array  # of the record [s]
     measured: Array  # the record [m]
     model: Array  # the model's answer [m]
+
+    @abstractmethod
+    def summary(self) -> str:
+        """Return the result in lines for people."""
+
+
+@dataclass(frozen=True)
+class Identification(Fitted):
+    """What was found."""
+
+    a: float  # [s^2]
+    b: float  # [s], or [s^2/m] where drag is quadratic
+    covariance: Array  # of (a, b), shape (2, 2); it allows for the time correlation of the residual
+    residual_sigma: float  # [m]
+    iterations: int  # steps taken
     note: str = ""  # reservation about the figures, in words; empty: none
 
     def summary(self) -> str:
@@ -276,7 +287,7 @@ def identify_simulated(parameters: WinchControllerParameters, *, drag: str = "li
     return found
 
 
-def draw_identification(found: Identification, path: Path) -> None:
+def draw_identification(found: Fitted, path: Path) -> None:
     """Draw what was `found` to `path`: the last 200 s of response, model and residual (thesis 6.11 to 6.13)."""
     from matplotlib.figure import Figure  # noqa: PLC0415  # heavy, and only for who draws
 

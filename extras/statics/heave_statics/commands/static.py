@@ -1,4 +1,4 @@
-"""`heave static`: a scenario's cable and unit at rest: hanging, towed, moored, at the end of their reach, or laid."""
+"""`heave static`: a scenario's cable and unit at rest: hanging, towed, moored, at full reach, laid, or in a network."""
 
 from __future__ import annotations
 
@@ -16,13 +16,14 @@ if TYPE_CHECKING:
     from cable_sim_node.reports.report import LoadReport
     from heave_bringup.scenarios import Scenario
 
-SUMMARY = "Print and draw the static shape of rope and load: hanging, towed, moored, at full reach, or being laid."
+SUMMARY = "Print and draw the static shape of rope and load: hanging, towed, moored, at full reach, laid, in a network."
 EXAMPLES = (
     "heave static s300_driven --set 'cable_sim.current=[0.5, 0.0]' --picture shape.png",
     "heave static s300_driven --towing --speed 0.5 1 1.5 2",
     "heave static s300_driven --mooring --depth 290 --offset 45 55 65 75",
     "heave static s300_driven --footprint --depth 280 --thrust 2000",
     "heave static s300_driven --laying --depth 280 --speed 0.5 1 2",
+    "heave static s300_driven --network lift_and_umbilical.yaml",
 )
 
 BELONGS = {
@@ -52,6 +53,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         ("laying", "cable laid on the seabed at each --speed: touchdown point, suspended length"),
     ):
         problems.add_argument(f"--{name}", dest="problem", action="store_const", const=name, help=text)
+    problems.add_argument("--network", type=Path, metavar="FILE", help="several cables to one load, or a net (YAML)")
     for name, metavar, text in (
         ("--speed", "M/S", "towing, laying: ship's speed over ground; several give a table"),
         ("--offset", "M", "mooring: horizontal distance from lower end to boom tip; several give a table"),
@@ -116,6 +118,8 @@ def execute(options: argparse.Namespace) -> None:
 
 def check_options(options: argparse.Namespace) -> None:
     """Refuse, naming it, one of `options` that the problem does not have or whose value cannot be."""
+    if options.network is not None:
+        options.problem = "network"
     for name, problems in BELONGS.items():
         values = getattr(options, name)
         if values is None:
@@ -152,11 +156,14 @@ def _report(scenario: Scenario, options: argparse.Namespace) -> LoadReport:
     from heave_statics.reports.hanging import hanging_report
     from heave_statics.reports.laying import laying_report
     from heave_statics.reports.mooring import mooring_report
+    from heave_statics.reports.network import network_report
     from heave_statics.reports.towing import towing_report
 
     plant = scenario.parameters["cable_sim"]
     height, course = plant.boom_tip_height, math.radians(options.course or 0.0)
     tip = (0.0, 0.0, height)
+    if options.problem == "network":
+        return network_report(plant, options.network, tip)
     if options.problem == "hanging":
         return hanging_report(plant, tip)
     if options.problem == "towing":

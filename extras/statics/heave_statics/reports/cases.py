@@ -24,7 +24,7 @@ class CasesReport:
     sheet: Sheet  # columns of the table
     name: str  # of the cases, for a machine
     rows: tuple[Any, ...]  # one for each case
-    common: Mapping[str, float]  # numbers that are the same in all cases, with units in their names
+    common: Mapping[str, Any]  # numbers that are the same in all cases, with units in their names
     largest_tension: float  # at the boom tip in any of the cases [N]
     panels: Callable[[Axes, Axes], None]  # draws the two panels of the picture
     unit_load: float = math.nan  # largest force of the cable on the unit in any of them [N]; NaN: it holds none

@@ -1,8 +1,10 @@
-"""`heave identify`: the two-state cable a, b from a scenario's simulated response, or from a recorded one."""
+"""`heave identify`: the two-state cable a, b from a simulated or recorded response; the load from a recorded one."""
 
 from __future__ import annotations
 
 import argparse
+import tempfile
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -11,8 +13,11 @@ from heave_bringup.errors import CommandError
 
 if TYPE_CHECKING:
     from heave_studies.identification import Identification
+    from heave_studies.reverse import LoadIdentification
 
-SUMMARY = "Fit the second-order cable model a z'' + b z' + z = z0 - p to a simulated or recorded response."
+SUMMARY = (
+    "Fit the second-order cable model a z'' + b z' + z = z0 - p, or mass and drag area of the load, to a response."
+)
 EXAMPLES = ("heave identify b3_deep_900 --drag quadratic",)
 
 
@@ -20,7 +25,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the command's own arguments to `parser`."""
     parser.add_argument("source", metavar="SCENARIO|BAG", help="a shipped scenario, a parameter file, or a bag folder")
     add_settings(parser)
-    parser.add_argument("--drag", choices=("linear", "quadratic"), default="linear", help="thesis Eq. 6.2 or Eq. 6.3")
+    what = parser.add_mutually_exclusive_group()
+    what.add_argument("--drag", choices=("linear", "quadratic"), default="linear", help="thesis Eq. 6.2 or Eq. 6.3")
+    what.add_argument(
+        "--reverse",
+        action="store_true",
+        help="effective mass and drag area of the load with 95 %% bands, from depth, load cell, MRU and encoder of a "
+        "bag, on the nominal cable of its scenario",
+    )
     parser.add_argument("--picture", type=Path, metavar="FILE", help="default: NAME_identify.svg")
 
 
@@ -37,10 +49,16 @@ def execute(options: argparse.Namespace) -> None:
     from heave_studies.identification import IdentificationError, draw_identification, identify_simulated
 
     check_output("--picture", options.picture, (".png", ".svg", ".pdf"), makes_folder=True)
-    if not Path(options.source).is_dir() and not is_compiled(advance):
+    is_bag = Path(options.source).is_dir()
+    if options.reverse and not is_bag:
+        raise CommandError(f"{options.source}: --reverse needs the bag of a run")
+    if not is_bag and not is_compiled(advance):
         ProgressLine().tell("compiling the axial model: a few seconds, once after installation")
     try:
-        if Path(options.source).is_dir():
+        found: Identification | LoadIdentification
+        if options.reverse:
+            found = _load_in_bag(Path(options.source), options.set)
+        elif is_bag:
             found = _from_bag(Path(options.source), options.drag)
         else:
             scenario = load_scenario(options.source, settings=options.set)
@@ -75,3 +93,25 @@ def _from_bag(path: Path, drag: str) -> Identification:
         for signal in (signals.boom_tip_heave, signals.unit_heave, signals.payout)
     )
     return identify(time, tip - tip.mean(), heave - heave.mean(), payout=payout - payout.mean(), drag=drag)
+
+
+def _load_in_bag(path: Path, settings: Sequence[str]) -> LoadIdentification:
+    """Identify the load from the sensors in a bag, on the cable of its scenario with `settings` of the user."""
+    import math
+    from dataclasses import replace
+
+    from heave_bags.mcap.reader import Bag
+    from heave_bringup.scenarios import load_scenario
+
+    from heave_studies.reverse import identify_load
+    from heave_studies.whatif.fitness import check_record
+    from heave_studies.whatif.record import read_record, scenario_text, write_text
+
+    bag = Bag(path)
+    with tempfile.TemporaryDirectory(prefix="heave-") as scratch:
+        scenario = write_text(Path(scratch), scenario_text(bag))
+        nominal = load_scenario(str(scenario), settings=settings, needs_files=False).parameters["winch_controller"]
+    record = read_record(bag, nominal)
+    # an operator's requests and modes move the winch, which is measured
+    check_record(replace(record, operated=math.inf, modes=()), float(record.time[0]), str(path))
+    return identify_load(record, nominal)

@@ -9,9 +9,10 @@ narrow. Where readings and twin differ by more than their noise, the rest counts
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import ClassVar
 
 import numpy as np
 from cable_sim_node.vertical.axial_line import AxialLine
@@ -26,7 +27,9 @@ from heave_studies.whatif.twin import Drive, PastWinch, PlantFactors, driven, sc
 INERTIA, DAMPING, CABLE_DRAG = "cable.inertia_factor", "cable.damping_factor", "cable.drag_factor"
 STIFFNESS, SCALE, DELAY = "cable.stiffness_factor", "mru.scale", "mru.delay"
 
-AS_THEY_ARE = {DELAY: "s"}
+EARLY, LATE = "start.early", "start.late"
+
+AS_THEY_ARE = {DELAY: "s", EARLY: "m", LATE: "m"}
 """Quantities that are 0 where all is as assumed, with their units; the others are factors."""
 
 USUAL = {INERTIA: 0.15, DAMPING: 0.6, CABLE_DRAG: 0.3, STIFFNESS: 0.1, SCALE: 0.02, DELAY: 0.04}
@@ -69,6 +72,7 @@ class Evidence:
     source: TipSource  # of the boom tip
     winch: PastWinch  # what the drum did
     depth_scale: float  # reading over truth [-]
+    names: ClassVar[tuple[str, ...]] = tuple(USUAL)  # of the quantities that are searched for
 
     @property
     def end(self) -> float:
@@ -204,8 +208,10 @@ STEPS = {
     STIFFNESS: 0.003,
     SCALE: 0.003,
     DELAY: 0.003,
+    EARLY: 0.003,
+    LATE: 0.003,
 }
-"""Steps for the slopes of the twin: of the logarithm of a factor, of a delay [s], of an arm [m]."""
+"""Steps for the slopes of the twin: of the logarithm of a factor, of a delay [s], of a length [m]."""
 
 STARTS = (-0.3, -0.2, -0.12, -0.06, 0.0, 0.06, 0.12, 0.2, 0.3)
 """Logarithms of the inertia that are tried first."""
@@ -253,7 +259,7 @@ class CableFit:
     def drawn(self, random: np.random.Generator) -> CableFit:
         """Return a fit with other values that the record allows, by `random` numbers."""
         moves = WIDER * random.multivariate_normal(np.zeros(len(self.values)), self.covariance)
-        return replace(self, values=values_at(point_of(self.values) + moves))
+        return replace(self, values=values_at(point_of(self.values) + moves, self.values))
 
 
 def point_of(values: Values) -> Array:
@@ -261,9 +267,9 @@ def point_of(values: Values) -> Array:
     return np.array([value if name in AS_THEY_ARE else math.log(value) for name, value in values.items()])
 
 
-def values_at(x: Array) -> dict[str, float]:
-    """Return the values at a point `x`, by name."""
-    return {name: float(v) if name in AS_THEY_ARE else math.exp(v) for name, v in zip(USUAL, x, strict=True)}
+def values_at(x: Array, names: Iterable[str]) -> dict[str, float]:
+    """Return the values at a point `x`, by `names`."""
+    return {name: float(v) if name in AS_THEY_ARE else math.exp(v) for name, v in zip(names, x, strict=True)}
 
 
 class Search:
@@ -279,15 +285,17 @@ class Search:
 
     def __init__(self, evidence: Evidence, prior: Values, about: Array, noise: Array) -> None:
         self._evidence = evidence
-        self._sigma = np.array([prior[name] for name in USUAL])
-        self._whiten = np.linalg.inv(np.linalg.cholesky(evidence.covariance(values_at(about), noise)))
+        self._sigma = np.array([prior[name] for name in evidence.names])
+        self._steps = np.diag([STEPS[name] for name in evidence.names])
+        covariance = evidence.covariance(values_at(about, evidence.names), noise)
+        self._whiten = np.linalg.inv(np.linalg.cholesky(covariance))
 
     def left(self, x: Array) -> Array:
         """Return what the twin at a point `x` leaves of readings and prior, whitened: half its square is in nats.
 
         Complex values of variance 1 count as twice as many real ones, by how many of them are independent.
         """
-        white = np.einsum("kij,jk->ki", self._whiten, self._evidence.gap(values_at(x))).ravel()
+        white = np.einsum("kij,jk->ki", self._whiten, self._evidence.gap(values_at(x, self._evidence.names))).ravel()
         return np.concatenate([math.sqrt(2.0 * INDEPENDENT) * part for part in (white.real, white.imag)]
                               + [x / self._sigma])  # fmt: skip
 
@@ -297,8 +305,8 @@ class Search:
 
     def slopes(self, x: Array) -> Array:
         """Return how `left` changes with each coordinate of a point `x`, by finite steps."""
-        here, steps = self.left(x), np.diag(list(STEPS.values()))
-        return np.column_stack([(self.left(x + step) - here) / step.sum() for step in steps])
+        here = self.left(x)
+        return np.column_stack([(self.left(x + step) - here) / step.sum() for step in self._steps])
 
     def followed(self, x: Array, rounds: int) -> OptimizeResult:
         """Return the least point near a point `x`, after so many `rounds` at most."""
@@ -307,17 +315,31 @@ class Search:
 
 def fit_cable(evidence: Evidence) -> CableFit:
     """Return the likeliest values under some `evidence`."""
-    prior, centre, noise = prior_of(evidence.nominal), np.zeros(len(USUAL)), evidence.noise
-    search = Search(evidence, prior, centre, noise)
+    prior, centre = prior_of(evidence.nominal), np.zeros(len(USUAL))
+    search = Search(evidence, prior, centre, evidence.noise)
     # a compensated record shows scale and delay of its MRU first: the resonance is looked for under them too
     held = search.followed(centre, FIRST).x
     starts = [np.where(np.array(list(USUAL)) == INERTIA, one, x) for x in (centre, held) for one in STARTS]
     begun = sorted(starts, key=search.loss)[:BEST]
-    best = min((search.followed(one, FIRST) for one in begun), key=lambda one: float(one.cost))
+    return settled(
+        evidence, prior, min((search.followed(one, FIRST) for one in begun), key=lambda one: float(one.cost))
+    )
+
+
+def settled(evidence: Evidence, prior: Values, best: OptimizeResult) -> CableFit:
+    """Return the likeliest values, by what the twin leaves of the readings taken as their noise.
+
+    Parameters
+    ----------
+    evidence : of the record
+    prior : what is known before
+    best : of a search under the noise of the evidence
+    """
+    noise, names = evidence.noise, evidence.names
     for is_settled in (False, True):
-        excess = np.maximum(evidence.chi2(values_at(best.x)), 1.0)
+        excess = np.maximum(evidence.chi2(values_at(best.x, names)), 1.0)
         if np.any(excess * evidence.noise > ALIKE * noise) or not is_settled:
             noise = evidence.noise * excess
             best = Search(evidence, prior, best.x, noise).followed(best.x, ROUNDS)
-    values = values_at(best.x)
+    values = values_at(best.x, names)
     return CableFit(values, np.linalg.inv(best.jac.T @ best.jac), prior, float(evidence.chi2(values)[0]))
