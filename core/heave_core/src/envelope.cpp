@@ -99,7 +99,7 @@ double residual_limit(const Design &design, const State &state) {
 // A drum that does not do what was sent: brake at once, whoever makes the order.
 void watch_drum(const Design &design, State &state) {
     const Bounds &bounds = design.envelope;
-    if (state.cause == DRUM || state.cause == BRAKE_SLIPS) return;
+    if (state.cause == DRUM || state.cause == BRAKE_SLIPS || state.unproved > 0.0) return;
     const double stroke = stroke_limit(bounds, state);
     const bool runs = std::abs(state.runaway) > stroke;
     const double off = runs ? state.runaway : state.residual;

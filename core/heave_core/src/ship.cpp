@@ -145,6 +145,20 @@ double drift_limit(const Bounds &bounds, const State &state) {
     return bounds.travel_margin + unlike;
 }
 
+// Whether a count that has jumped goes along with the drum again: on a way, or for a window, in which it strays no more than
+// a drum may. Returns bits.
+int prove_count(const Design &design, State &state, double sent, double off) {
+    const Bounds &bounds = design.envelope;
+    const double seen = 2.0 * state.resolution, way = std::abs(sent) > 2.0 * seen ? std::abs(sent) : 0.0;
+    state.unproved -= way + bounds.travel_margin * design.tick_period / bounds.window;
+    if (std::abs(off) > seen) state.strayed += std::abs(off);
+    if (state.unproved <= 0.0 && state.strayed > bounds.drum_share * bounds.travel_margin)
+        state.unproved = bounds.travel_margin, state.strayed = 0.0;
+    state.residual = 0.0;
+    forget_strokes(state);
+    return state.count_age > bounds.count_time ? COUNT_LOST : 0;
+}
+
 // The count beside the nominal drum. Returns bits.
 int observe_count(const Design &design, State &state, const Readings &readings, const Travelled &travelled) {
     const Bounds &bounds = design.envelope;
@@ -178,7 +192,11 @@ int observe_count(const Design &design, State &state, const Readings &readings, 
     const double time = state.time_since_count + (thaws ? state.still_time : 0.0);
     const double fastest = std::min(design.winch.speed, bounds.largest_rate);  // a drive without a limit: as the boom tip
     const bool is_jump = !is_first && std::abs(step - sent) > fastest * time + bounds.count_step;
-    state.count = readings.count;
+    // no drum changes its speed so: the encoder is at fault, and no witness of the drum until it has gone along again
+    const double change = std::min(std::abs(step - sent), std::abs(step - state.step));
+    const bool is_next = !is_first && time < 1.5 * dt;
+    if (is_jump || (is_next && change > bounds.count_step)) state.unproved = bounds.travel_margin, state.strayed = 0.0;
+    state.count = readings.count, state.step = step;
     state.since_count = state.asked_since_count = state.time_since_count = 0.0;
     if (is_first) {
         state.position = state.drum.payout = state.prompt.payout = readings.count;
@@ -205,9 +223,10 @@ int observe_count(const Design &design, State &state, const Readings &readings, 
     // the last order that came to it may have gone on
     const bool went_on = readings.drive == DRIVE_RESTS && time > bounds.count_time;
     const double expected = went_on ? step : is_held ? clip(step, std::min(sent, 0.0), std::max(sent, 0.0)) : sent;
+    state.drum_travel += std::abs(sent);
+    if (state.unproved > 0.0) return prove_count(design, state, sent, step - expected);
     if (!thaws) state.residual += step - expected, state.drift.off += step - expected;
     state.drift.way += step;
-    state.drum_travel += std::abs(sent);
     state.count_age = 0.0;
     // a drive that creeps is ordered against it for good: what was sent drifts, the count does not
     state.travel_sent += std::min(dt / bounds.bound_window, 1.0) * (state.travel_count - state.travel_sent);
