@@ -192,10 +192,12 @@ int observe_count(const Design &design, State &state, const Readings &readings, 
     const double time = state.time_since_count + (thaws ? state.still_time : 0.0);
     const double fastest = std::min(design.winch.speed, bounds.largest_rate);  // a drive without a limit: as the boom tip
     const bool is_jump = !is_first && std::abs(step - sent) > fastest * time + bounds.count_step;
-    // no drum changes its speed so: the encoder is at fault, and no witness of the drum until it has gone along again
+    // no drum changes its speed so: the encoder is at fault, and no witness of the drum until it has gone along again, as long
+    // as the winch follows the sea and nothing else, within the bounds on what is sent
     const double change = std::min(std::abs(step - sent), std::abs(step - state.step));
     const bool is_next = !is_first && time < 1.5 * dt;
     if (is_jump || (is_next && change > bounds.count_step)) state.unproved = bounds.travel_margin, state.strayed = 0.0;
+    if (state.drift.time == 0.0) state.unproved = 0.0;
     state.count = readings.count, state.step = step;
     state.since_count = state.asked_since_count = state.time_since_count = 0.0;
     if (is_first) {
