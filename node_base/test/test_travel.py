@@ -102,7 +102,7 @@ def servo(orders, gain):
 
 @pytest.mark.parametrize("gain", [0.8, 0.85, 0.9, 1.15])
 def test_a_drum_of_another_gain_that_turns_back_sooner_at_its_limits_is_let_be(gain):
-    """Under 2.3 m/s a sound servo stays at its 2 m/s for longer: a way of 0.1 m against the command stopped the drive."""
+    """Under 2.3 m/s a sound servo stays at its 2 m/s for longer: 0.1 m against the command stopped the drive."""
     times = np.arange(0.0, 60.0, STEP)
     orders = np.interp(times % 10.0, [0.0, 3.0, 5.4, 8.0, 10.0], [0.0, -2.3, 2.3, 2.3, 0.0])
     places = np.cumsum(STEP * servo(orders, gain))

@@ -187,7 +187,6 @@ double bounded(const Design &design, State &state, const Limits &limits, const L
     const double weight = weight_of(design, state, limits, usable, about);
     state.bound += (weight - state.bound / bounds.bound_window) * dt;
     if (is_bound) {
-        state.bound_ticks += 1.0;
         order.bits += by_rate ? AT_RATE : AT_TRAVEL;
         order.value = about;
         order.limit = about > 0.0 ? limits.upper : limits.lower;

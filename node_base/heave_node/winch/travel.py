@@ -81,10 +81,7 @@ class OrderedTravel:
     def look(self, now: float, payout: float, ordered_rate: float) -> str:
         """Return what is wrong, in words, with a drum at a `payout` [m] at `now` [s]; "": nothing.
 
-        Parameters
-        ----------
-        now, payout : time [s], place [m]
-        ordered_rate : since the last look [m/s]
+        It was ordered the `ordered_rate` since the last look [m/s].
         """
         if self._last is not None:
             self._moved.add(now, payout - self._last[1])
@@ -92,11 +89,9 @@ class OrderedTravel:
         self._last = (now, payout)
         lowest, highest = self._ordered.range()
         moved = self._moved.value
-        now_ordered = self._ordered.value
-        ordered, back = (highest, now_ordered - lowest) if moved > 0.0 else (-lowest, highest - now_ordered)
-        ordered = max(ordered, 0.0)
-        allowed = ALLOWED + SOONER * back
-        self._looks = self._looks + 1 if abs(moved) > (1.0 + OVERSHOOT) * ordered + allowed else 0
+        ordered, turned = (max(highest, 0.0), lowest) if moved > 0.0 else (max(-lowest, 0.0), highest)
+        limit = (1.0 + OVERSHOOT) * ordered + ALLOWED + SOONER * abs(self._ordered.value - turned)
+        self._looks = self._looks + 1 if abs(moved) > limit else 0
         if self._looks < 2:  # one reading may be a spike
             return ""
         self._looks = 0
