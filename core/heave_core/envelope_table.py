@@ -12,7 +12,6 @@ KEPT = Size("KEPT", 512)
 BINS = Size("BINS", 60)
 """Bins of the window over which the ship's motion is watched."""
 
-
 STROKES = Size("STROKES", 64)
 """Samples of the drum's way that are kept, to compare it with what was sent of late."""
 
@@ -284,7 +283,6 @@ STATE = structure(
     Row("fade_time", "s", "time of the fade-out with the motion reference unit"),
     Row("blind_time", "s", "time of fade-out or compensation without it"),
     Row("bound", "s", "time at a bound of late"),
-    Row("bound_ticks", "", "ticks at a bound so far"),
     Row("mru_age", "s", "since the last good reading"),
     Row("seen_time", "s", "for which the motion reference unit has been good without a loss"),
     Row("heave", "m", "of the boom tip, jumps taken off"),
@@ -296,6 +294,9 @@ STATE = structure(
     Row("count_age", "s", "since the last good reading"),
     Row("count", "m", "last reading; NaN: none yet"),
     Row("position", "m", "count, jumps taken off"),
+    Row("step", "m", "of the last reading from the one before"),
+    Row("unproved", "m", "way that a count which has jumped is to go along with the drum"),
+    Row("strayed", "m", "from the drum on that way"),
     Row("still_travel", "m", "sent without a step of the count"),
     Row("still_time", "s", "for which that goes on"),
     Row("since_count", "m", "travel of the nominal drum since the last reading of the count"),

@@ -1,7 +1,6 @@
 """How a table of the core is written: a structure is a list of rows, each with name, unit, meaning and shape.
 
-Numbers are of eight bytes, counters of four. This module imports nothing but the standard library: the build runs it
-before anything is installed.
+Numbers are of eight bytes, counters of four. The build runs it before anything is installed: standard library alone.
 """
 
 from __future__ import annotations

@@ -726,6 +726,29 @@ def test_the_count_of_an_encoder_in_steps_of_3_cm_is_no_drum_that_runs():
         assert abs(float(rig.envelope.state["runaway"][0])) < BOUNDS["stroke_margin"] + 0.5 * 2.0 * 0.03
 
 
+@pytest.mark.parametrize("scale", [0.5, 0.333, 2.4, -1.0])
+@pytest.mark.parametrize("place", [0.3, 3.0])
+def test_a_count_of_another_scale_that_has_jumped_is_no_witness_against_the_drum(scale, place):
+    """No drum jumps: the encoder is at fault, and the brake would set the load swinging for nothing."""
+    rig = Rig().settled()
+    for _ in range(400):
+        rig.step(count=scale * (rig.payout + place))
+    assert rig.orders[-1].cause == Cause.NOTHING
+    assert rig.orders[-1].rate_bound - 0.25 == pytest.approx(0.8 * 1.5 * AMPLITUDE * OMEGA, rel=0.05)  # as with none
+
+
+@pytest.mark.parametrize("jump", [0.2, -0.7])
+def test_a_count_that_goes_along_after_it_jumped_is_a_witness_again(jump):
+    rig = Rig().settled()
+    for _ in range(60):
+        rig.step(count=rig.payout + jump)
+    move, begin = rig._move, rig.tick
+    rig._move = lambda sent, *, braked: move(3.0 * sent, braked=braked)
+    while not rig.step(count=rig.payout + jump).cause:
+        assert (rig.tick - begin) * DT < 0.7
+    assert rig.orders[-1].cause == Cause.DRUM
+
+
 def test_orders_that_hit_a_limit_of_the_drive_do_not_widen_their_own_bounds():
     """They did, as a stop does: orders 100 times too large went through at 2 m/s, for 3.1 m."""
     rig = Rig().settled()

@@ -91,6 +91,26 @@ def test_a_sound_drum_with_its_lag_gain_and_ringing_is_let_be(name, period):
     assert not any(travel.look(t, x, v) for t, x, v in zip(times, places, rates, strict=True))
 
 
+def servo(orders, gain):
+    """Return the speeds of a servo of 0.15 s with limits of 2 m/s and 1.5 m/s2 [m/s]."""
+    speeds = [0.0]
+    for order in np.clip(gain * orders, -2.0, 2.0):
+        change = (order - speeds[-1]) * -math.expm1(-STEP / 0.15)
+        speeds.append(speeds[-1] + min(max(change, -1.5 * STEP), 1.5 * STEP))
+    return np.array(speeds[1:])
+
+
+@pytest.mark.parametrize("gain", [0.8, 0.85, 0.9, 1.15])
+def test_a_drum_of_another_gain_that_turns_back_sooner_at_its_limits_is_let_be(gain):
+    """Under 2.3 m/s a sound servo stays at its 2 m/s for longer: 0.1 m against the command stopped the drive."""
+    times = np.arange(0.0, 60.0, STEP)
+    orders = np.interp(times % 10.0, [0.0, 3.0, 5.4, 8.0, 10.0], [0.0, -2.3, 2.3, 2.3, 0.0])
+    places = np.cumsum(STEP * servo(orders, gain))
+    travel = OrderedTravel(LAG)
+    found = [travel.look(t, x, v) for t, x, v in zip(times, places, servo(orders, 1.0), strict=True)]
+    assert not any(found)
+
+
 def test_one_reading_that_is_a_spike_is_let_be():
     assert not first_found(lambda _: 0.0, lambda now: 0.2 * (abs(now - 1.0) < 1e-6))[2]
 

@@ -99,7 +99,7 @@ double residual_limit(const Design &design, const State &state) {
 // A drum that does not do what was sent: brake at once, whoever makes the order.
 void watch_drum(const Design &design, State &state) {
     const Bounds &bounds = design.envelope;
-    if (state.cause == DRUM || state.cause == BRAKE_SLIPS) return;
+    if (state.cause == DRUM || state.cause == BRAKE_SLIPS || state.unproved > 0.0) return;
     const double stroke = stroke_limit(bounds, state);
     const bool runs = std::abs(state.runaway) > stroke;
     const double off = runs ? state.runaway : state.residual;
@@ -187,7 +187,6 @@ double bounded(const Design &design, State &state, const Limits &limits, const L
     const double weight = weight_of(design, state, limits, usable, about);
     state.bound += (weight - state.bound / bounds.bound_window) * dt;
     if (is_bound) {
-        state.bound_ticks += 1.0;
         order.bits += by_rate ? AT_RATE : AT_TRAVEL;
         order.value = about;
         order.limit = about > 0.0 ? limits.upper : limits.lower;

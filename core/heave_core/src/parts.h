@@ -30,6 +30,7 @@ struct Travelled {
 Travelled advance_drum(const Design &design, State &state, double load);
 void take_way(const Design &design, State &state, double way, double sent, double time);
 void count_way(const Design &design, State &state, double step, double sent, double time);
+void forget_strokes(State &state);
 double stroke_limit(const Bounds &bounds, const State &state);
 void watch_strokes(const Design &design, State &state);
 void rest_drum(State &state);

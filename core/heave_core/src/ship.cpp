@@ -16,9 +16,7 @@ void fill_window(const Design &design, State &state) {
     bin.rate = std::max(bin.rate, std::abs(state.rate));
     bin.highest = is_first ? state.heave : std::max(bin.highest, state.heave);
     bin.lowest = is_first ? state.heave : std::min(bin.lowest, state.heave);
-    bin.sum += state.heave;
-    bin.readings += 1.0;
-    bin.time += state.read_age;
+    bin.sum += state.heave, bin.readings += 1.0, bin.time += state.read_age;
 }
 
 }  // namespace
@@ -43,12 +41,9 @@ void observe_mru(const Design &design, State &state, const Readings &readings) {
         is_good = is_good && !is_jump && std::abs(rate - state.read_rate) <= bounds.largest_acceleration * time;
     }
     state.equal = heave == state.read_heave && rate == state.read_rate ? state.equal + 1 : 0;
-    state.read_heave = heave;
-    state.read_rate = rate;
+    state.read_heave = heave, state.read_rate = rate;
     if (is_good && state.equal < bounds.frozen_readings) {
-        state.heave = heave - state.jump;
-        state.rate = rate;
-        state.mru_age = 0.0;
+        state.heave = heave - state.jump, state.rate = rate, state.mru_age = 0.0;
         state.read_age = std::min(state.read_age, bounds.window / BINS);
         fill_window(design, state);
     }
@@ -62,9 +57,7 @@ Ship ship_of(const Design &design, const State &state) {
         rate = std::max(rate, bin.rate);
         highest = readings == 0.0 ? bin.highest : std::max(highest, bin.highest);
         lowest = readings == 0.0 ? bin.lowest : std::min(lowest, bin.lowest);
-        sum += bin.sum;
-        readings += bin.readings;
-        time += bin.time;
+        sum += bin.sum, readings += bin.readings, time += bin.time;
     }
     if (readings == 0.0) return {0.0, 0.0, 0.0};
     const double mean = sum / readings;
@@ -99,22 +92,25 @@ void move_unit(const Design &design, double payout, double top, double &heave, d
     heave_rate = rate;
 }
 
+void follow(Spread &spread, double value, double weight) {
+    if (std::isnan(spread.mean)) spread.mean = value;
+    const double off = value - spread.mean;
+    spread.mean += weight * off;
+    spread.variance = (1.0 - weight) * (spread.variance + weight * off * off);
+}
+
 }  // namespace
 
-// Whose the drift of the count is, the depth sensor can tell: it goes as the nominal unit does, whose payout is
-// the count, where the drum creeps and the count is right, and the other way than the drift where the count is not. Both are smoothed alike, and taken from where they were
-// as the winch began to follow, whatever was before.
+// Whose the drift of the count is, the depth sensor can tell: it goes as the nominal unit does, whose payout is the count,
+// where the drum creeps, and the other way than the drift where the count does. Both are smoothed alike, from where they were.
 void watch_depth(const Design &design, State &state, const Readings &readings) {
     const Bounds &bounds = design.envelope;
     Drift &drift = state.drift;
     const double dt = design.tick_period, left = 1.0 - dt / bounds.travel_time;
     const bool follows = int(readings.duty) == FOLLOW && readings.brake == 0.0 && state.move.rate == 0.0 &&
                          readings.lift_rate == 0.0 && state.phase == FREE;
-    drift.time = follows ? drift.time + dt : 0.0;
-    drift.off *= follows ? left : 0.0;
-    drift.way *= follows ? left : 0.0;
-    drift.seen *= follows ? left : 0.0;
-    drift.age += dt;
+    drift.time = follows ? drift.time + dt : 0.0, drift.age += dt;
+    for (double *one : {&drift.off, &drift.way, &drift.seen}) *one *= follows ? left : 0.0;
     move_unit(design, state.position, state.heave - state.position, drift.heave, drift.heave_rate);
     if (!std::isfinite(readings.depth)) return;
     const double level = readings.depth + drift.heave;
@@ -145,6 +141,20 @@ double drift_limit(const Bounds &bounds, const State &state) {
     return bounds.travel_margin + unlike;
 }
 
+// Whether a count that has jumped goes along with the drum again: on a way, or for a window, in which it strays no more than
+// a drum may. Returns bits.
+int prove_count(const Design &design, State &state, double sent, double off) {
+    const Bounds &bounds = design.envelope;
+    const double seen = 2.0 * state.resolution, way = std::abs(sent) > 2.0 * seen ? std::abs(sent) : 0.0;
+    state.unproved -= way + bounds.travel_margin * design.tick_period / bounds.window;
+    if (std::abs(off) > seen) state.strayed += std::abs(off);
+    if (state.unproved <= 0.0 && state.strayed > bounds.drum_share * bounds.travel_margin)
+        state.unproved = bounds.travel_margin, state.strayed = 0.0;
+    state.residual = 0.0;
+    forget_strokes(state);
+    return state.count_age > bounds.count_time ? COUNT_LOST : 0;
+}
+
 // The count beside the nominal drum. Returns bits.
 int observe_count(const Design &design, State &state, const Readings &readings, const Travelled &travelled) {
     const Bounds &bounds = design.envelope;
@@ -166,10 +176,8 @@ int observe_count(const Design &design, State &state, const Readings &readings, 
     state.travel_count *= left;
     if (!rests) state.residual *= 1.0 - dt / bounds.drum_time;
     state.drum_travel *= 1.0 - dt / bounds.drum_time;
-    state.since_count += travelled.drum;
-    state.asked_since_count += travelled.move;
-    state.time_since_count += dt;
-    state.count_age += dt;
+    state.since_count += travelled.drum, state.asked_since_count += travelled.move;
+    state.time_since_count += dt, state.count_age += dt;
     if (!count_came(bounds, readings)) return state.count_age > bounds.count_time ? COUNT_LOST : 0;
     const double sent = state.since_count, asked = state.asked_since_count, step = readings.count - state.count;
     const bool is_first = !std::isfinite(state.count);
@@ -178,7 +186,13 @@ int observe_count(const Design &design, State &state, const Readings &readings, 
     const double time = state.time_since_count + (thaws ? state.still_time : 0.0);
     const double fastest = std::min(design.winch.speed, bounds.largest_rate);  // a drive without a limit: as the boom tip
     const bool is_jump = !is_first && std::abs(step - sent) > fastest * time + bounds.count_step;
-    state.count = readings.count;
+    // no drum changes its speed so: the encoder is at fault, and no witness of the drum until it has gone along again, as long
+    // as the winch follows the sea and nothing else, within the bounds on what is sent
+    const double change = std::min(std::abs(step - sent), std::abs(step - state.step));
+    const bool is_next = !is_first && time < 1.5 * dt;
+    if (is_jump || (is_next && change > bounds.count_step)) state.unproved = bounds.travel_margin, state.strayed = 0.0;
+    if (state.drift.time == 0.0) state.unproved = 0.0;
+    state.count = readings.count, state.step = step;
     state.since_count = state.asked_since_count = state.time_since_count = 0.0;
     if (is_first) {
         state.position = state.drum.payout = state.prompt.payout = readings.count;
@@ -189,41 +203,29 @@ int observe_count(const Design &design, State &state, const Readings &readings, 
     state.travel_count += (is_jump ? sent : step) - asked;
     if (is_jump) {  // the position loop goes by the new count
         take_way(design, state, sent, sent, time);
-        state.drum.payout += step - sent;
-        state.prompt.payout += step - sent;
+        state.drum.payout += step - sent, state.prompt.payout += step - sent;
         return COUNT_JUMPED | (state.count_age > bounds.count_time ? COUNT_LOST : 0);
     }
     count_way(design, state, step, sent, time);
     state.still_travel = step == 0.0 ? state.still_travel + std::abs(sent) : 0.0;
     state.still_time = step == 0.0 ? state.still_time + time : 0.0;
     if (state.still_travel > bounds.frozen_travel && state.still_time >= bounds.frozen_time) {
-        state.count_age = bounds.count_time + dt;
-        state.residual = 0.0;
+        state.count_age = bounds.count_time + dt, state.residual = 0.0;
         return COUNT_LOST;
     }
     // a drum that stops by itself may be anywhere between rest and what was sent; where its count was lost meanwhile, also
     // the last order that came to it may have gone on
     const bool went_on = readings.drive == DRIVE_RESTS && time > bounds.count_time;
     const double expected = went_on ? step : is_held ? clip(step, std::min(sent, 0.0), std::max(sent, 0.0)) : sent;
+    state.drum_travel += std::abs(sent);
+    if (state.unproved > 0.0) return prove_count(design, state, sent, step - expected);
     if (!thaws) state.residual += step - expected, state.drift.off += step - expected;
     state.drift.way += step;
-    state.drum_travel += std::abs(sent);
     state.count_age = 0.0;
     // a drive that creeps is ordered against it for good: what was sent drifts, the count does not
     state.travel_sent += std::min(dt / bounds.bound_window, 1.0) * (state.travel_count - state.travel_sent);
     return 0;
 }
-
-namespace {
-
-void follow(Spread &spread, double value, double weight) {
-    if (std::isnan(spread.mean)) spread.mean = value;
-    const double off = value - spread.mean;
-    spread.mean += weight * off;
-    spread.variance = (1.0 - weight) * (spread.variance + weight * off * off);
-}
-
-}  // namespace
 
 // Step of the load cell beyond a share of the static tension and the stretch that the ship's motion makes since its last
 // reading, k R t: no load does that on a cable that was taut. It is taken off: spreads go on without it. 0: none [N].

@@ -14,6 +14,8 @@ ALLOWED = 0.05
 """Difference of two ways that is not reported [m]: steps of an encoder, play, an overshoot."""
 OVERSHOOT = 0.6
 """A drum may go further than ordered by this share: gain errors and ringing stay below it, three times does not."""
+SOONER = 0.3
+"""A drum of another gain turns back sooner at its limits: by this share of the way that it is ordered back."""
 ORDER_LEAK = 1.0
 """A drum's way beside the ordered one is that of so long [s]."""
 SPEED_LEAK = 10.0
@@ -79,10 +81,7 @@ class OrderedTravel:
     def look(self, now: float, payout: float, ordered_rate: float) -> str:
         """Return what is wrong, in words, with a drum at a `payout` [m] at `now` [s]; "": nothing.
 
-        Parameters
-        ----------
-        now, payout : time [s], place [m]
-        ordered_rate : since the last look [m/s]
+        It was ordered the `ordered_rate` since the last look [m/s].
         """
         if self._last is not None:
             self._moved.add(now, payout - self._last[1])
@@ -90,8 +89,9 @@ class OrderedTravel:
         self._last = (now, payout)
         lowest, highest = self._ordered.range()
         moved = self._moved.value
-        ordered = max(highest, 0.0) if moved > 0.0 else max(-lowest, 0.0)
-        self._looks = self._looks + 1 if abs(moved) > (1.0 + OVERSHOOT) * ordered + ALLOWED else 0
+        ordered, turned = (max(highest, 0.0), lowest) if moved > 0.0 else (max(-lowest, 0.0), highest)
+        limit = (1.0 + OVERSHOOT) * ordered + ALLOWED + SOONER * abs(self._ordered.value - turned)
+        self._looks = self._looks + 1 if abs(moved) > limit else 0
         if self._looks < 2:  # one reading may be a spike
             return ""
         self._looks = 0
