@@ -17,7 +17,7 @@ from heave_bags.mcap.bag_writer import BagWriter
 from heave_bags.mcap.reader import Bag
 from heave_bags.report import report
 from heave_node.cdr.definitions import schema_text
-from made_up_run import TYPES, MadeUpRun, tick_messages, write_run
+from made_up_run import TYPES, MadeUpRun, header, tick_messages, write_run
 from rclpy.serialization import serialize_message
 
 RUN = MadeUpRun()
@@ -163,6 +163,25 @@ def test_messages_without_a_stamp_are_put_on_the_clock_of_the_others(tmp_path):
     (record,) = analysis.analyse([tmp_path / "bag"])
     (alarm,) = record.alarms
     assert alarm.start == pytest.approx(10.0, abs=0.05)
+
+
+def test_a_node_that_reports_seconds_late_takes_no_alarm_out_of_the_report(tmp_path):
+    """On a busy computer the adviser was 1.7 s behind: that was taken for a reset, and all alarms before were lost."""
+    writer = BagWriter(tmp_path / "bag")
+    writer.add_topic("/boom_tip", "heave_msgs/msg/PointMotion")
+    writer.add_topic("/diagnostics", "diagnostic_msgs/msg/DiagnosticArray")
+    for number in range(1, 401):
+        time = number * 50_000_000
+        writer.write("/boom_tip", time, bytes(serialize_message(tick_messages(RUN, time)["/boom_tip"])))
+        stamps = {100: 5.0, 300: 15.0, 301: 12.0}
+        if number in stamps:
+            name = "winch_adviser: answers" if number == 301 else f"disk {number}"
+            status = DiagnosticStatus(level=DiagnosticStatus.ERROR, name=name, message="nearly full")
+            array = DiagnosticArray(header=header(round(1e9 * stamps[number])), status=[status])
+            writer.write("/diagnostics", time, bytes(serialize_message(array)))
+    writer.close()
+    (record,) = analysis.analyse([tmp_path / "bag"])
+    assert [alarm.start for alarm in record.alarms if alarm.name.startswith("disk")] == pytest.approx([5.0, 15.0])
 
 
 def test_stamps_of_hardware_by_its_own_clock_are_read_as_in_the_run():

@@ -120,7 +120,9 @@ def read_run(
     room = ROOM + ROOM_PER_BYTE * bag.size
     columns = bag.columns(selection, longest=LONGEST_ARRAY, most_bytes=room, progress=progress)
     on_one_clock(columns)
-    fields = {topic: Fields(columns.get(topic)) for topic in SELECTION}
+    fields = {topic: Fields(columns.get(topic)) for topic in SELECTION if topic != DIAGNOSTICS}
+    is_reset = any(one.resets for one in fields.values())  # a node that is seconds behind reports late, beside others
+    fields[DIAGNOSTICS] = Fields(columns.get(DIAGNOSTICS), may_reset=is_reset)
     record = RunRecord(_name(bag.path.resolve()), RunSignals(), 0.0, 0.0, outcome=bag.outcome)
     record.run = {**bag.run, **stored_changes(bag)}
     record.losses = bag.losses or surveyed

@@ -29,6 +29,7 @@ class Fields:
     Parameters
     ----------
     columns : as read from the bag; None: none
+    may_reset : time that goes back was reset; else a publisher of several was late
 
     Attributes
     ----------
@@ -36,11 +37,11 @@ class Fields:
     resets : how often time went back; only what comes after the last is kept
     """
 
-    def __init__(self, columns: Columns | None = None) -> None:
+    def __init__(self, columns: Columns | None = None, *, may_reset: bool = True) -> None:
         self._columns = columns or {TIME: np.empty(0), LOG_TIME: np.empty(0, dtype=np.int64)}
         back = np.flatnonzero(np.diff(self.time) < -RESET)
-        self.resets = int(back.size)
-        if back.size:
+        self.resets = int(back.size) if may_reset else 0
+        if back.size and may_reset:
             self._keep(slice(back[-1] + 1, None))
         if np.any(np.diff(self.time) < 0.0):
             self._keep(np.argsort(self.time, kind="stable"))
