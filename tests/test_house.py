@@ -47,17 +47,17 @@ FOLDERS = {
 
 BUDGETS = {
     "core": (4_036, 2_800),
-    "node_base": (12_499, 9_500),
-    "wave_vessel_node": (4_964, 4_400),
-    "cable_sim_node": (8_894, 8_500),
-    "winch_controller_node": (18_850, 14_000),
-    "bags": (10_583, 7_700),
-    "bringup": (7_734, 6_100),
+    "node_base": (12_488, 9_500),
+    "wave_vessel_node": (5_086, 4_400),
+    "cable_sim_node": (9_089, 8_500),
+    "winch_controller_node": (18_843, 14_000),
+    "bags": (10_647, 7_700),
+    "bringup": (7_770, 6_100),
     "extras/devices": (7_473, 4_900),
-    "extras/studies": (12_961, 6_000),
-    "extras/statics": (2_791, 1_800),
+    "extras/studies": (13_430, 6_000),
+    "extras/statics": (3_196, 1_800),
     "extras/drives": (1_784, 1_784),
-    "extras/panel": (1_619, 900),
+    "extras/panel": (1_618, 900),
     "extras/fmu": (1_941, 900),
 }
 """Source lines that a wing may have: what it has, and what it is to come to. A wing grows only where another pays."""
