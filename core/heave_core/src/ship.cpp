@@ -16,7 +16,9 @@ void fill_window(const Design &design, State &state) {
     bin.rate = std::max(bin.rate, std::abs(state.rate));
     bin.highest = is_first ? state.heave : std::max(bin.highest, state.heave);
     bin.lowest = is_first ? state.heave : std::min(bin.lowest, state.heave);
-    bin.sum += state.heave, bin.readings += 1.0, bin.time += state.read_age;
+    bin.sum += state.heave;
+    bin.readings += 1.0;
+    bin.time += state.read_age;
 }
 
 }  // namespace
@@ -41,9 +43,12 @@ void observe_mru(const Design &design, State &state, const Readings &readings) {
         is_good = is_good && !is_jump && std::abs(rate - state.read_rate) <= bounds.largest_acceleration * time;
     }
     state.equal = heave == state.read_heave && rate == state.read_rate ? state.equal + 1 : 0;
-    state.read_heave = heave, state.read_rate = rate;
+    state.read_heave = heave;
+    state.read_rate = rate;
     if (is_good && state.equal < bounds.frozen_readings) {
-        state.heave = heave - state.jump, state.rate = rate, state.mru_age = 0.0;
+        state.heave = heave - state.jump;
+        state.rate = rate;
+        state.mru_age = 0.0;
         state.read_age = std::min(state.read_age, bounds.window / BINS);
         fill_window(design, state);
     }
@@ -57,7 +62,9 @@ Ship ship_of(const Design &design, const State &state) {
         rate = std::max(rate, bin.rate);
         highest = readings == 0.0 ? bin.highest : std::max(highest, bin.highest);
         lowest = readings == 0.0 ? bin.lowest : std::min(lowest, bin.lowest);
-        sum += bin.sum, readings += bin.readings, time += bin.time;
+        sum += bin.sum;
+        readings += bin.readings;
+        time += bin.time;
     }
     if (readings == 0.0) return {0.0, 0.0, 0.0};
     const double mean = sum / readings;
@@ -109,7 +116,8 @@ void watch_depth(const Design &design, State &state, const Readings &readings) {
     const double dt = design.tick_period, left = 1.0 - dt / bounds.travel_time;
     const bool follows = int(readings.duty) == FOLLOW && readings.brake == 0.0 && state.move.rate == 0.0 &&
                          readings.lift_rate == 0.0 && state.phase == FREE;
-    drift.time = follows ? drift.time + dt : 0.0, drift.age += dt;
+    drift.time = follows ? drift.time + dt : 0.0;
+    drift.age += dt;
     for (double *one : {&drift.off, &drift.way, &drift.seen}) *one *= follows ? left : 0.0;
     move_unit(design, state.position, state.heave - state.position, drift.heave, drift.heave_rate);
     if (!std::isfinite(readings.depth)) return;
@@ -148,8 +156,10 @@ int prove_count(const Design &design, State &state, double sent, double off) {
     const double seen = 2.0 * state.resolution, way = std::abs(sent) > 2.0 * seen ? std::abs(sent) : 0.0;
     state.unproved -= way + bounds.travel_margin * design.tick_period / bounds.window;
     if (std::abs(off) > seen) state.strayed += std::abs(off);
-    if (state.unproved <= 0.0 && state.strayed > bounds.drum_share * bounds.travel_margin)
-        state.unproved = bounds.travel_margin, state.strayed = 0.0;
+    if (state.unproved <= 0.0 && state.strayed > bounds.drum_share * bounds.travel_margin) {
+        state.unproved = bounds.travel_margin;
+        state.strayed = 0.0;
+    }
     state.residual = 0.0;
     forget_strokes(state);
     return state.count_age > bounds.count_time ? COUNT_LOST : 0;
@@ -176,8 +186,10 @@ int observe_count(const Design &design, State &state, const Readings &readings, 
     state.travel_count *= left;
     if (!rests) state.residual *= 1.0 - dt / bounds.drum_time;
     state.drum_travel *= 1.0 - dt / bounds.drum_time;
-    state.since_count += travelled.drum, state.asked_since_count += travelled.move;
-    state.time_since_count += dt, state.count_age += dt;
+    state.since_count += travelled.drum;
+    state.asked_since_count += travelled.move;
+    state.time_since_count += dt;
+    state.count_age += dt;
     if (!count_came(bounds, readings)) return state.count_age > bounds.count_time ? COUNT_LOST : 0;
     const double sent = state.since_count, asked = state.asked_since_count, step = readings.count - state.count;
     const bool is_first = !std::isfinite(state.count);
@@ -190,9 +202,13 @@ int observe_count(const Design &design, State &state, const Readings &readings, 
     // as the winch follows the sea and nothing else, within the bounds on what is sent
     const double change = std::min(std::abs(step - sent), std::abs(step - state.step));
     const bool is_next = !is_first && time < 1.5 * dt;
-    if (is_jump || (is_next && change > bounds.count_step)) state.unproved = bounds.travel_margin, state.strayed = 0.0;
+    if (is_jump || (is_next && change > bounds.count_step)) {
+        state.unproved = bounds.travel_margin;
+        state.strayed = 0.0;
+    }
     if (state.drift.time == 0.0) state.unproved = 0.0;
-    state.count = readings.count, state.step = step;
+    state.count = readings.count;
+    state.step = step;
     state.since_count = state.asked_since_count = state.time_since_count = 0.0;
     if (is_first) {
         state.position = state.drum.payout = state.prompt.payout = readings.count;
@@ -203,14 +219,16 @@ int observe_count(const Design &design, State &state, const Readings &readings, 
     state.travel_count += (is_jump ? sent : step) - asked;
     if (is_jump) {  // the position loop goes by the new count
         take_way(design, state, sent, sent, time);
-        state.drum.payout += step - sent, state.prompt.payout += step - sent;
+        state.drum.payout += step - sent;
+        state.prompt.payout += step - sent;
         return COUNT_JUMPED | (state.count_age > bounds.count_time ? COUNT_LOST : 0);
     }
     count_way(design, state, step, sent, time);
     state.still_travel = step == 0.0 ? state.still_travel + std::abs(sent) : 0.0;
     state.still_time = step == 0.0 ? state.still_time + time : 0.0;
     if (state.still_travel > bounds.frozen_travel && state.still_time >= bounds.frozen_time) {
-        state.count_age = bounds.count_time + dt, state.residual = 0.0;
+        state.count_age = bounds.count_time + dt;
+        state.residual = 0.0;
         return COUNT_LOST;
     }
     // a drum that stops by itself may be anywhere between rest and what was sent; where its count was lost meanwhile, also
@@ -219,7 +237,10 @@ int observe_count(const Design &design, State &state, const Readings &readings, 
     const double expected = went_on ? step : is_held ? clip(step, std::min(sent, 0.0), std::max(sent, 0.0)) : sent;
     state.drum_travel += std::abs(sent);
     if (state.unproved > 0.0) return prove_count(design, state, sent, step - expected);
-    if (!thaws) state.residual += step - expected, state.drift.off += step - expected;
+    if (!thaws) {
+        state.residual += step - expected;
+        state.drift.off += step - expected;
+    }
     state.drift.way += step;
     state.count_age = 0.0;
     // a drive that creeps is ordered against it for good: what was sent drifts, the count does not
