@@ -319,12 +319,12 @@ def test_compensation_may_begin_once_the_mru_is_proved_and_not_before():
 def test_a_reversed_mru_is_refused_whatever_an_operator_consents_to():
     for asks in (None, 35.0):
         proven, alarms = controlled(scale=-1.0, asks=asks)
-        assert "MRU REVERSED" in proven.gate
+        assert "MRU_REVERSED" in proven.gate
         assert set(alarms) == {"MRU_REVERSED"}
 
 
 def test_without_a_witness_an_operators_consent_is_asked_for():
-    assert "MRU UNPROVED" in controlled(tension=None)[0].gate
+    assert "MRU_UNPROVED" in controlled(tension=None)[0].gate
     assert controlled(tension=None)[1] == ["MRU_UNPROVED: alone"]
     assert controlled(tension=None, asks=20.0)[0].gate == ""
     assert "MRU_UNPROVED: the load cell shows 3.33 times" in controlled(scale=0.3)[0].gate
