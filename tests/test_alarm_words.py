@@ -78,9 +78,7 @@ def test_an_alarm_says_what_follows_in_this_run_not_what_may_follow() -> None:
 def test_words_that_the_modes_belie_are_found(mode: str) -> None:
     time = np.arange(0.0, 3.0, 0.05)
     for claim, allowed in CLAIMS.items():
-        loop = SimpleNamespace(
-            code="SENSOR_LOST, MRU", text=f"SENSOR LOST, MRU. {claim}.", row=SimpleNamespace(title="SENSOR LOST, MRU")
-        )
+        loop = SimpleNamespace(code="SENSOR_LOST, MRU", text=f"SENSOR_LOST, MRU. {claim}.")
         record = SimpleNamespace(column=lambda _: time, modes=[mode] * time.size, alarms=[(1.0, loop)])
         assert bool(false_words(record)) == (mode not in allowed), claim
         assert false_words(record, begin=2.0) == []

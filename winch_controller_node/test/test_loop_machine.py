@@ -222,7 +222,7 @@ class AnyOperatorAnyTrouble(RuleBasedStateMachine):
             if self.tick().report.authority == 1.0:
                 break
         controller = self.loop.controller
-        may_not_begin = tension_ratio > 0.0 and controller.modes.obstacle.startswith("TENSION LIMIT LOW")
+        may_not_begin = tension_ratio > 0.0 and controller.modes.obstacle.startswith("TENSION_LIMIT_LOW")
         assert may_not_begin or controller.mode.value == "compensating"
 
     def troubled(self, measured):
