@@ -19,7 +19,7 @@ pytest.importorskip("pythonfmu", reason="pythonfmu is not installed: the extra f
 fmpy = pytest.importorskip("fmpy", reason="fmpy is not installed: the extra fmu")
 
 from heave_fmu.compiled.build import MODEL, compile_sources, export_controller, write_sources  # noqa: E402
-from heave_fmu.compiled.image import leave_out_plans  # noqa: E402
+from heave_fmu.compiled.image import leave_out_plans, records_of  # noqa: E402
 from heave_fmu.export import connections, export_part, make_parts, write_system  # noqa: E402
 from heave_fmu.instance import FmuInstance  # noqa: E402
 
@@ -209,6 +209,13 @@ def test_sanitizers_find_nothing(scenario, tmp_path):
 def test_it_refuses_what_it_would_not_be(tmp_path, scenario_name, settings, words):
     with pytest.raises(CommandError, match=words):
         export_controller(load_scenario(scenario_name, settings=settings), tmp_path)
+
+
+def test_commands_that_are_late_by_the_limit_and_no_more_are_tried_there_too(scenario):
+    controller = ClosedLoop(loop_parameters(scenario)).controller
+    assert controller.parameters.lag.largest == 0.3
+    late = 6 * 0.05  # ticks, with a rounding error
+    assert 0.3 < late <= records_of(controller)["largest_delay"] < 0.301
 
 
 @pytest.mark.parametrize(("variable", "kind"), [("CC", "C"), ("CXX", r"C\+\+")])

@@ -19,7 +19,7 @@ from winch_controller_node.core.envelope import DUTIES
 from winch_controller_node.core.estimation.loop_estimation import NEAR
 from winch_controller_node.core.supervision.modes import Mode
 from winch_controller_node.core.supervision.supervisor import guarded_loop
-from winch_controller_node.core.supervision.watch.winch_watch import TOLERATED_SHARE
+from winch_controller_node.core.supervision.watch.winch_watch import tolerated_delay
 from winch_controller_node.interface.sensors import DEPTH_BIAS
 from winch_controller_node.laws.core_law import CoreLaw, StateFeedback
 from winch_controller_node.motion.mean_motion import RETURN_SPEED
@@ -69,7 +69,6 @@ def records_of(core: WinchController) -> dict[str, Any]:
     acting, supervisor, design = core._command._acting._kept, core._supervisor, core.design
     model, winch, bias = design.model, core.parameters.winch, design.parameters.sensors.depth.bias_sigma
     parameters = core.parameters
-    delay = TOLERATED_SHARE * (winch.command_delay + winch.time_constant)
     rest = np.zeros(model.order)
     held = 1.0 if winch.law == "first_order" else winch.position_gain
     rest[[name.startswith(f"{model.input_names[0]}_") for name in model.state_names]] = held
@@ -97,7 +96,7 @@ def records_of(core: WinchController) -> dict[str, Any]:
         "static_tension": core._static_tension(0.0),
         "settled_swing": core._command.settled_swing,
         "share": core.beliefs.authority if parameters.identifies_winch else 1.0,
-        "largest_delay": parameters.lag.largest if parameters.identifies_winch else delay,
+        "largest_delay": tolerated_delay(parameters),
         "bias_variance": bias**2,
         "depth_bias": model.state(DEPTH_BIAS) if model.has_state(DEPTH_BIAS) else -1,
         "identifies_winch": int(parameters.identifies_winch),

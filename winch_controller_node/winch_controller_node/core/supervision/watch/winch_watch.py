@@ -138,9 +138,14 @@ class WinchWatch:
             return ON_TIME
         if late.is_cut:
             return TransportReport(late.news, ALARMS.alarm("COMMANDS_CUT", time=CUT_TIME))
-        winch = parameters.winch
-        lag = winch.command_delay + winch.time_constant
-        tolerated = parameters.lag.largest if parameters.identifies_winch else TOLERATED_SHARE * lag
-        if late.overdue <= tolerated * (1.0 + ROUNDING):
+        limit = tolerated_delay(parameters)
+        if late.overdue <= limit:
             return TransportReport(late.news)
-        return TransportReport(late.news, ALARMS.alarm("COMMANDS_TOO_LATE", delay=late.overdue, limit=tolerated))
+        return TransportReport(late.news, ALARMS.alarm("COMMANDS_TOO_LATE", delay=late.overdue, limit=limit))
+
+
+def tolerated_delay(parameters: WinchControllerParameters) -> float:
+    """Return the further delay of commands with which compensation is tried, rounding errors included [s]."""
+    winch = parameters.winch
+    of_model = TOLERATED_SHARE * (winch.command_delay + winch.time_constant)
+    return (parameters.lag.largest if parameters.identifies_winch else of_model) * (1.0 + ROUNDING)
