@@ -10,7 +10,6 @@ import time
 import zlib
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from functools import cache
 from pathlib import Path
 from typing import NamedTuple
 
@@ -68,30 +67,11 @@ def beside(domain: int, *words: str, stderr: int | None = None) -> Iterator[subp
             program.wait()
 
 
-@cache
-def may_mount() -> bool:
-    """Return whether this user may have a /dev/shm of its own."""
-    return subprocess.run(apart("true"), capture_output=True, check=False).returncode == 0
-
-
-def apart(*words: str) -> list[str]:
-    """Return a command line with a /dev/shm of its own: a process that is killed there holds no lock of other runs."""
-    return ["unshare", "--mount", "sh", "-c", 'mount -t tmpfs heave /dev/shm && exec "$@"', "sh", *words]
-
-
 @contextmanager
-def under_way(domain: int, *arguments: str, has_own_memory: bool = False) -> Iterator[subprocess.Popen[str]]:
-    """Give a `heave` command in a ROS domain, and let a test do something while it runs; it is killed at the end.
-
-    `has_own_memory` : it shares none with other runs, where this user may mount
-    """
-    words = command(*arguments)
+def under_way(domain: int, *arguments: str) -> Iterator[subprocess.Popen[str]]:
+    """Give a `heave` command in a ROS domain, and let a test do something while it runs; it is killed at the end."""
     run = subprocess.Popen(
-        apart(*words) if has_own_memory and may_mount() else words,
-        env=environment(domain),
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
+        command(*arguments), env=environment(domain), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
     )
     try:
         yield run

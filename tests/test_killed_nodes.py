@@ -24,7 +24,7 @@ OTHERS = ("wave_vessel", "virtual_winch", "winch_controller", "winch_adviser")
 def test_a_killed_node_ends_the_run_with_its_name_and_a_bag_that_reads_to_the_end(node, tmp_path):
     folder = tmp_path / "run"
     arguments = ("run", "b2_calm_300", "--duration", "100000", "--bag", str(folder), "--no-report")
-    with domain_id() as domain, under_way(domain, *arguments, has_own_memory=True) as run:
+    with domain_id() as domain, under_way(domain, *arguments) as run:
         wait_until(lambda: any(f.stat().st_size > 200_000 for f in (folder / "bag").glob("*.mcap")), 240.0)
         os.kill(process_of(node, folder), signal.SIGKILL)
         _, err = run.communicate(timeout=120.0)
