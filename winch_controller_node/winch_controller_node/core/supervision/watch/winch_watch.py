@@ -145,7 +145,7 @@ class WinchWatch:
 
 
 def tolerated_delay(parameters: WinchControllerParameters) -> float:
-    """Return the further delay of commands with which compensation is tried under `parameters`, with its rounding [s]."""
+    """Return the further delay of commands with which compensation is tried by `parameters`, with rounding [s]."""
     winch = parameters.winch
     of_model = TOLERATED_SHARE * (winch.command_delay + winch.time_constant)
     return (parameters.lag.largest if parameters.identifies_winch else of_model) * (1.0 + ROUNDING)
