@@ -34,6 +34,7 @@ from cable_sim_node.unit_parameters import UnitParameters
 CARRIED = 1e9
 """Mass of the second line's lower end [kg]: no cable moves it by more than 1e-7 m in a tick."""
 PASSES = 2
+"""Times that an interval is done: first with the pull as it went on, then with the one found."""
 CLOSED = 1e-6
 """Distance of both lower ends at the start [m]."""
 ITERATIONS, HALVINGS = 60, 12
@@ -63,22 +64,17 @@ class TwoLines(CableDynamics):
     """The lift line with its unit, and the second line that pulls at it, as the `parameters` state them.
 
     All properties are the lift line's. The second line's length stays; its top moves as the boom tip does,
-    `second_line.at` beside it. Its own pull on the unit is `second_pull` [N], shape (3,).
+    `second_line.at` beside it. The second line is `second`, its own pull on the unit `second_pull` [N], shape (3,).
     """
 
     def __init__(self, parameters: CableSimParameters) -> None:
+        self.second = CableDynamics(second_line(parameters))
         super().__init__(parameters)
-        self._second = CableDynamics(second_line(parameters))
         self._beside = np.array(parameters.second_line.at)
-        section = cable_sections(self._second.parameters)[0].cable
-        half = 0.5 * self._second.parameters.length / self._second.parameters.segments
+        section = cable_sections(self.second.parameters)[0].cable
+        half = 0.5 * self.second.parameters.length / self.second.parameters.segments
         self._half_mass, self._half_weight = half * (section.mass + section.added_mass), half * section.weight
         self.second_pull = self._before = self._rest_drag = np.zeros(3)
-
-    @property
-    def second(self) -> CableDynamics:
-        """The second line."""
-        return self._second
 
     def start_at_equilibrium(self, boom_tip_position: ArrayLike, payout: float = 0.0, *, time: float = 0.0) -> None:
         """See CableDynamics: with both lines at rest, which the pull of the second one is searched for."""
@@ -86,13 +82,13 @@ class TwoLines(CableDynamics):
 
         def gap(pull: Array) -> Array:
             self._pull_at_unit(pull)
-            self._second.set_thrust(-pull)
+            self.second.set_thrust(-pull)
             try:
                 super(TwoLines, self).start_at_equilibrium(tip, payout, time=time)
-                self._second.start_at_equilibrium(tip + self._beside, time=time)
+                self.second.start_at_equilibrium(tip + self._beside, time=time)
             except NoEquilibriumError:  # this pull lifts a lower end above its top
                 return np.full(3, np.inf)
-            return self.unit_position - self._second.unit_position
+            return self.unit_position - self.second.unit_position
 
         super().start_at_equilibrium(tip, payout, time=time)
         pull = _closed(gap, self._first_pull(tip + self._beside - self.unit_position))
@@ -110,17 +106,17 @@ class TwoLines(CableDynamics):
         payout_rate_end: float,
     ) -> None:
         """See CableDynamics."""
-        saved = [LineArrays(*(part.copy() for part in line)) for line in (self._line, self._second.arrays)]
+        begun = self._line, self.second.arrays
         start, pull = self.second_pull, 2.0 * self.second_pull - self._before
         place, velocity = self.unit_position, self.unit_velocity
         begin, end = (replace(tip, position=tip.position + self._beside) for tip in (tip_start, tip_end))
         for _ in range(PASSES):
-            self._line, self._second._line = (LineArrays(*(part.copy() for part in line)) for line in saved)
+            self._line, self.second._line = (LineArrays(*(part.copy() for part in line)) for line in begun)
             self._pull_at_unit(0.5 * (start + pull))
             super().advance(duration, tip_start, tip_end, payout_start, payout_rate_start, payout_end, payout_rate_end)
             acceleration = (self.unit_velocity - velocity) / duration
             self._carry(place, velocity, acceleration)
-            self._second.advance(duration, begin, end, 0.0, 0.0, 0.0, 0.0)
+            self.second.advance(duration, begin, end, 0.0, 0.0, 0.0, 0.0)
             self._carry(self.unit_position, self.unit_velocity, acceleration)
             pull = self._pull(acceleration)
         self._before, self.second_pull = start, pull
@@ -128,22 +124,21 @@ class TwoLines(CableDynamics):
     def set_waves(self, waves: Waves) -> None:
         """See CableDynamics."""
         super().set_waves(waves)
-        if hasattr(self, "_second"):
-            self._second.set_waves(waves)
+        self.second.set_waves(waves)
 
     def _pull_at_unit(self, pull: Array) -> None:
         self.set_thrust(np.array(self.parameters.unit.thrust) + pull)
 
     def _carry(self, place: Array, velocity: Array, acceleration: Array) -> None:
         """Put the second line's lower end at a `place` with a `velocity`, driven by an `acceleration`."""
-        end = self._second.arrays.tiles[0]
+        end = self.second.arrays.tiles[0]
         end[at.X : at.VX : at.STRIDE], end[at.VX : at.AX : at.STRIDE] = place, velocity
         end[at.AX : at.AX + 3 * at.STRIDE : at.STRIDE] = acceleration
-        self._second.set_thrust(CARRIED * acceleration)
+        self.second.set_thrust(CARRIED * acceleration)
 
     def _pull(self, acceleration: Array) -> Array:
         """Return the second line's pull: its lowest segment's tension, half its weight, inertia and drag at rest."""
-        nodes, tensions = self._second.nodes_and_tensions()
+        nodes, tensions = self.second.nodes_and_tensions()
         along = nodes[1] - nodes[0]
         pull = tensions[0] * along / np.linalg.norm(along) - self._half_mass * acceleration + self._rest_drag
         pull[2] -= self._half_weight
