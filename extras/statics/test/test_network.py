@@ -173,6 +173,10 @@ def test_the_umbilical_takes_a_part_of_the_load_and_the_lift_line_the_rest(tmp_p
         (UMBILICAL.replace("length: 330", "length: 330, catalogue: string"), "no cable string in the catalogue"),
         (UMBILICAL.replace("at: [-30, 8, 5]", "at: [-30, 8]"), "stern: at: must be three numbers"),
         (UMBILICAL.replace("at: [-30, 8, 5]", "ad: [-30, 8, 5]"), "a point has at, or force"),
+        (UMBILICAL.replace("at: [-30, 8, 5]", "at: [-30, much, 5]"), "stern: at: must be a finite number; got 'much'"),
+        (UMBILICAL.replace("at: [-30, 8, 5]", "drag_area: wide"), "stern: drag_area: must be a finite number"),
+        (UMBILICAL.replace("at: [-30, 8, 5]", "drag_area: -3"), "stern: drag_area: must be a finite number from 0 up"),
+        (UMBILICAL.replace("length: 330", "length: long"), "umbilical: length: must be a finite number"),
     ],
 )
 def test_a_wrong_file_is_refused_with_its_name(text, words, tmp_path):

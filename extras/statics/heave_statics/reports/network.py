@@ -12,7 +12,9 @@ The file names points and cables; `boom_tip`, `unit` and the scenario's rope are
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import math
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -126,18 +128,25 @@ def _point(parameters: CableSimParameters, values: Mapping[str, Any], where: str
     if "at" in values:
         return NetworkPoint(_triple(values["at"], f"{where}: at"))
     force = _triple(values.get("force", (0.0, 0.0, 0.0)), f"{where}: force")
-    drag = 0.5 * parameters.water_density * float(values.get("drag_area", 0.0))
+    drag = 0.5 * parameters.water_density * _number(values.get("drag_area", 0.0), f"{where}: drag_area", least=0.0)
     return NetworkPoint(None, PointLoad(0.0, force, body_drag=drag))
 
 
 def _triple(value: Any, where: str) -> tuple[float, float, float]:
-    try:
-        x, y, z = map(float, value)
-    except (TypeError, ValueError) as error:
-        raise ParameterError(f"{where}: must be three numbers; got {value!r}") from error
-    if not np.all(np.isfinite((x, y, z))):
-        raise ParameterError(f"{where}: must be finite; got {value!r}")
+    if not isinstance(value, Sequence) or len(value) != 3:
+        raise ParameterError(f"{where}: must be three numbers; got {value!r}")
+    x, y, z = (_number(one, where) for one in value)
     return x, y, z
+
+
+def _number(value: Any, where: str, least: float = -math.inf) -> float:
+    """Return a finite number of the file, not below the `least`; raise ParameterError for anything else."""
+    with suppress(TypeError, ValueError):
+        number = float(value)
+        if math.isfinite(number) and number >= least:
+            return number
+    wanted = "a finite number" if math.isinf(least) else f"a finite number from {least:g} up"
+    raise ParameterError(f"{where}: must be {wanted}; got {value!r}")
 
 
 def _rope(parameters: CableSimParameters, values: Mapping[str, Any], where: str) -> CableSimParameters:
@@ -157,7 +166,7 @@ def _rope(parameters: CableSimParameters, values: Mapping[str, Any], where: str)
     return replace(
         parameters,
         cable=cable,
-        length=float(values["length"]),
+        length=_number(values["length"], f"{where}: length", least=0.0),
         sections=SectionsParameters(),
         clumps=ClumpsParameters(),
     )
