@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from itertools import pairwise
+from itertools import chain, pairwise
 from typing import Any
 
 import numpy as np
@@ -227,20 +227,28 @@ def _spans(raised: Sequence[Interval], known: Sequence[Sequence[Interval]]) -> l
     """
     found: dict[str, Interval] = {}
     spans: list[Interval] = []
+    in_order = [sorted(holding, key=lambda held: held.start) for holding in known]
     for one in raised:
         kind = without_figures(one.name.partition(". ")[0])
         if kind in found and one.start < found[kind].end:
             continue
-        end = one.start
-        for holding in known:
-            for held in sorted(holding, key=lambda held: held.start) if end == one.start else ():
-                if held.start - TICKS <= end <= held.end and _is_about(one, held):
-                    end = held.end  # a reason may go on in the next mode
-        if end == one.start and one.level:
-            end = next((later.start for later in raised if later.start > end and _restores(later, one)), end)
-        found[kind] = replace(one, end=end)
+        ends = (end for holding in in_order if (end := _end_of(one, holding)) > one.start)
+        restored = (later.start for later in raised if one.level and later.start > one.start and _restores(later, one))
+        found[kind] = replace(one, end=next(chain(ends, restored), one.start))
         spans.append(found[kind])
     return spans
+
+
+def _end_of(raised: Interval, holding: Sequence[Interval]) -> float:
+    """Return the end of what an alarm was `raised` about [s], by what was `holding`, in order; its start if none was.
+
+    A reason may go on in the next mode.
+    """
+    end = raised.start
+    for held in holding:
+        if held.start - TICKS <= end <= held.end and _is_about(raised, held):
+            end = held.end
+    return end
 
 
 def _codes(one: Interval) -> list[str]:
