@@ -96,8 +96,7 @@ def _collect(content: Mapping[str, Any], namespace: str, where: str, sections: S
     """Put the sections of a file into `sections`; a mapping of mappings is a namespace of nodes, as for ROS 2."""
     for key, section in content.items():
         name = f"{namespace}/{str(key).strip('/')}"
-        is_plain = isinstance(section, Mapping) and section and PARAMETERS_KEY not in section
-        if is_plain and all(isinstance(part, Mapping) for part in section.values()):
+        if _is_namespace(section):
             _collect(section, name, where, sections)
             continue
         if not isinstance(section, Mapping) or set(section) != {PARAMETERS_KEY}:
@@ -116,6 +115,12 @@ def _beside(section: object) -> str:
     if not isinstance(section, Mapping) or PARAMETERS_KEY not in section:
         return ""
     return f"; indent {sorted(str(name) for name in section if name != PARAMETERS_KEY)[0]} below it"
+
+
+def _is_namespace(section: object) -> bool:
+    if not isinstance(section, Mapping) or PARAMETERS_KEY in section:
+        return False
+    return bool(section) and all(isinstance(part, Mapping) for part in section.values())
 
 
 def flatten_names(section: Mapping[str, Any], where: str, prefix: str = "") -> dict[str, object]:

@@ -219,9 +219,8 @@ def boom_tip_heave(parameters: WaveVesselParameters, seed: int, tick_period: flo
     """
     scene = build_scene(parameters, seed, tick_period)
     one = _waves_of(scene).point_heave(lever_arm_matrix(scene.boom_tip_arm)[2])
-    if one is None or parameters.crane.is_fitted or parameters.later_sea.duration > 0.0:
-        return None
-    if parameters.load_response.displacement > 0.0:
+    answers = parameters.load_response.displacement > 0.0
+    if one is None or answers or parameters.crane.is_fitted or parameters.later_sea.duration > 0.0:
         return None
     heave, ramp = one.at(range(1, count + 1)), parameters.ramp
     grown = min(math.ceil(ramp / tick_period), count)

@@ -105,12 +105,15 @@ class Strangers:
         for topic, lawful in speakers.items():
             expected = 0 if lawful.identities is None else len(lawful.identities)
             if lawful.is_external or self._node.count_publishers(topic) > expected:
-                present = self._present(topic)
-                if not present & (lawful.identities or frozenset()):
-                    lawful.release()
-                for identity in sorted(present):
-                    if lawful.standing(identity) is Standing.STRANGER:
-                        self._notice(topic, identity, "")
+                self._judge_publishers(topic, lawful)
+
+    def _judge_publishers(self, topic: str, lawful: Speakers) -> None:
+        present = self._present(topic)
+        if not present & (lawful.identities or frozenset()):
+            lawful.release()
+        for identity in sorted(present):
+            if lawful.standing(identity) is Standing.STRANGER:
+                self._notice(topic, identity, "")
 
     def _present(self, topic: str) -> set[str]:
         return {identity_of_endpoint(info) for info in self._node.get_publishers_info_by_topic(topic)}
