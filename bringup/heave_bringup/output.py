@@ -14,7 +14,6 @@ from errno import EISDIR
 from pathlib import Path
 
 from heave_node.parameters import ParameterError
-from heave_node.sheet import Sheet
 from rich import box
 from rich.console import Console
 from rich.measure import Measurement
@@ -120,11 +119,6 @@ def make_table(columns: Sequence[str], rows: Iterable[Sequence[str]], *, texts: 
     for row in cells:
         table.add_row(*row)
     return table
-
-
-def sheet_table(sheet: Sheet, rows: Iterable[object]) -> Table:
-    """Return a table for people of a `sheet` and its `rows`."""
-    return make_table(sheet.headings, sheet.cells(rows))
 
 
 def check_output(option: str, path: Path | None, endings: Sequence[str] = (), *, makes_folder: bool = False) -> None:

@@ -85,13 +85,12 @@ def page() -> str:
 
 def _section(number: int, one: Hazard) -> str:
     faults = [f"{device}: {', '.join(f'`{kind}`' for kind in kinds)}" for device, kinds in one.causes.items()]
-    modes = [f"{event.value}: {' or '.join(targets)}" for event in one.events if (targets := targets_of(event))]
     rows = {
         "fault": "; ".join(faults),
         "cause": one.others,
         "detection": ", ".join(f"`{code}`" for code in one.alarms),
         "reaction": one.reaction,
-        "mode after": "; ".join(modes),
+        "mode after": "; ".join(f"{event}: {modes}" for event, modes in modes_after(one).items()),
         "time": one.time,
         "measured": _measured(one),
         "residual risk": one.residual,
@@ -138,7 +137,12 @@ def all_cases() -> list[dict[str, Any]]:
     return [dict(zip(one["columns"], row, strict=True)) for one in newest_matrices() for row in one["rows"]]
 
 
-def targets_of(event: Event) -> list[str]:
+def modes_after(one: Hazard) -> dict[str, str]:
+    """Return the modes, in words, to which each event of `one` hazard leads."""
+    return {event.value: " or ".join(targets) for event in one.events if (targets := _targets(event))}
+
+
+def _targets(event: Event) -> list[str]:
     """Return the modes to which an event leads from others, each once, in the order of the table."""
     rows = [row for row in TABLE if row.event is event and row.sources != (row.target,)]
     return list(dict.fromkeys(row.target.value for row in rows))

@@ -7,7 +7,7 @@ import statistics
 from collections.abc import Iterator, Sequence
 from typing import Any
 
-from heave_bringup.pages.hazards import HAZARDS, all_cases, cases_of, targets_of
+from heave_bringup.pages.hazards import HAZARDS, all_cases, cases_of, modes_after
 
 MOST_SEEN = 2
 """Alarms that a row names: those seen in most of its cases."""
@@ -27,7 +27,7 @@ def chapters() -> list[dict[str, Any]]:
     """
     found, rest = [], all_cases()
     for one in HAZARDS:
-        modes = [f"{event.value}: mode {' or '.join(into)}" for event in one.events if (into := targets_of(event))]
+        modes = [f"{event}: mode {into}" for event, into in modes_after(one).items()]
         words = {"name": one.name, "time": one.time, "residual": one.residual}
         cases = cases_of(one)
         found.append({**words, "expected": "; ".join([one.reaction, *modes]), "rows": list(_rows(cases))})
