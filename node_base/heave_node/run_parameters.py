@@ -55,11 +55,9 @@ class RunParameters:
     clock_offset_limit: float = parameter(0.1, "s", 1e-3, 1e9,
         "Real time: largest clock offset between two hosts; with a larger one the run is refused.")  # fmt: skip
     realtime_priority: int = parameter(0, "", 0, 99,
-        "Real time: priority (SCHED_FIFO) of the nodes in the loop, whose memory is locked; 0: none.",
-    )  # fmt: skip
+        "Real time: priority (SCHED_FIFO) of the nodes in the loop, whose memory is locked; 0: none.")  # fmt: skip
     in_tick_wait: float = parameter(0.4, "", 0.0, 0.9,
-        "Real time: fraction of the tick for which a node waits for its inputs; then it uses the newest ones.",
-    )  # fmt: skip
+        "Real time: fraction of the tick for which a node waits for inputs; then it uses the newest.")  # fmt: skip
 
     def __post_init__(self) -> None:
         if self.external and self.pacing != REALTIME:

@@ -294,17 +294,15 @@ def innovation_figure(record: RunRecord) -> Figure | None:
     for index, row in enumerate(map(_shown_innovation, rows)):
         words, unit = INNOVATIONS.get(row.name, (row.name, ""))
         axis = "y" if index == 0 else f"y{index + 1}"
-        colour = RUN_COLOURS[index % len(RUN_COLOURS)]
         band = 2.0 * row.sigma
         edge = {"axis": axis, "dash": "dot", "width": 1.0}
         figure.traces += [
-            line(Signal(row.time, row.value), words, colour, axis=axis, width=1.0),
+            line(Signal(row.time, row.value), words, RUN_COLOURS[index % len(RUN_COLOURS)], axis=axis, width=1.0),
             line(Signal(row.time, band), "2 sigma", "#888888", **edge) | {"showlegend": index == 0},
             line(Signal(row.time, -band), "2 sigma", "#888888", **edge) | {"showlegend": False},
         ]
         top = 1.0 - index / len(rows)
-        name = "yaxis" + axis[1:]
-        figure.layout[name] = {
+        figure.layout[f"yaxis{axis[1:]}"] = {
             "title": {"text": f"{words}<br>{unit}".removesuffix("<br>")},
             "domain": [max(0.0, top - 1.0 / len(rows) + gap), top],
             "range": _settled_range(row, record),
