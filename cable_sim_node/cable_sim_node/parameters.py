@@ -30,7 +30,7 @@ class CableParameters(Checked):
     stiffness_quadratic: float = parameter(0.0, description="q of T = EA e (1 + q e + c e^2) at strain e.")
     stiffness_cubic: float = parameter(0.0, description="c of T = EA e (1 + q e + c e^2) at strain e.")
     internal_damping: float = parameter(0.0, "N s", 0.0, None,
-        "Tension per unit strain rate, at most the elastic tension.")  # fmt: skip
+        "Tension per unit strain rate; limited to the elastic tension.")  # fmt: skip
     loss_factor: float = parameter(0.0, "", 0.0, 0.3,
         "Hysteresis by friction between wires: loss per cycle over 2 pi times the peak elastic energy, "
         "at any frequency; 0: none. axial_stiffness is that of large swings; where the loss is largest, "

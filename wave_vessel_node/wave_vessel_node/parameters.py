@@ -263,7 +263,7 @@ class WaveVesselParameters(SeaParameters):
     recording_topic: str = parameter("boom_tip",
         description="Topic to read from a bag: boom_tip or mru (any namespace).")  # fmt: skip
     accept_implausible: bool = parameter(False,
-        description="Accept implausible values in the files of sea, recording and RAOs.")  # fmt: skip
+        description="Accept implausible values in sea, motion and RAO files.")  # fmt: skip
     filter: ShapingFilterParameters = group(ShapingFilterParameters)
     vessel: VesselParameters = group(VesselParameters)
     load_response: LoadResponseParameters = group(LoadResponseParameters)
