@@ -33,7 +33,7 @@ class CableParameters(Checked):
         "Tension per unit strain rate; limited to the elastic tension.")  # fmt: skip
     loss_factor: float = parameter(0.0, "", 0.0, 0.3,
         "Hysteresis by friction between wires: loss per cycle over 2 pi times the peak elastic energy, "
-        "at any frequency; 0: none. axial_stiffness is that of large swings; where the loss is largest, "
+        "at any frequency; 0: none. axial_stiffness applies to large swings; where the loss is largest, "
         "the cable is stiffer by 1.6 times this factor.")  # fmt: skip
     loss_swing: float = parameter(0.1, "", 1e-3, 1.0,
         "Tension amplitude over mean tension at which the loss is largest; at half of it there is none.")  # fmt: skip

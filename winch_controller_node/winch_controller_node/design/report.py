@@ -376,6 +376,6 @@ def _curve_row(point: TradeOff) -> str:
 def _demands(report: DesignReport) -> str:
     return (
         "What the winch must deliver for full compensation, largest in 3 h, at static tension and a drum radius "
-        f"of {DRUM_RADIUS:g} m.\nTo accelerate drum and motor (inertia J) at a, add a torque of J a / {DRUM_RADIUS:g} m.\n"
+        f"of {DRUM_RADIUS:g} m.\nTo accelerate drum and motor (inertia J) at a, add torque J a / {DRUM_RADIUS:g} m.\n"
         + format_feasibility(report.feasibility)
     )
