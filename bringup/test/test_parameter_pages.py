@@ -88,7 +88,7 @@ def test_the_command_prints_what_it_finds(capsys):
 
 def test_the_command_refuses_what_it_does_not_find_with_the_nearest_name(capsys):
     assert main(["params", "sped_limt"]) == 2
-    assert capsys.readouterr().err == "heave: no parameter fits sped_limt; did you mean speed_limit?\n"
+    assert capsys.readouterr().err == "heave: no parameter matches sped_limt; did you mean speed_limit?\n"
     assert main(["params", "whale", "x"]) == 2
     assert "there is no node whale; known: cable_sim," in capsys.readouterr().err
 

@@ -91,12 +91,8 @@ def parse_criterion(given: Given) -> Criterion:
         end = next((end for end, units in UNITS_OF_KEYS.items() if unit in units), "")
         key += end
     if unit not in UNITS_OF_KEYS[end]:
-        takes = (
-            f"it takes {', '.join(UNITS_OF_KEYS[end])}"
-            if end
-            else "a figure without a unit at its end takes m, cm, mm, kN, t, m/s, m/min, s, kW, deg, %"
-        )
-        raise ParameterError(f"{given.where}: {given.name} = {given.value!r}: {unit} is no unit of {key}; {takes}")
+        takes = ", ".join(UNITS_OF_KEYS[end]) if end else "m, cm, mm, kN, t, m/s, m/min, s, kW, deg or %"
+        raise ParameterError(f"{given.where}: {given.name} = {given.value!r}: {unit} is no unit of {key}; use {takes}")
     return Criterion(key, relation, float(f"{float(number) * UNITS_OF_KEYS[end][unit]:.12g}"))
 
 

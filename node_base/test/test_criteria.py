@@ -61,9 +61,9 @@ def test_a_bound_may_have_a_unit_and_then_the_key_need_not(key, text, criterion)
 @pytest.mark.parametrize(
     ("key", "text", "words"),
     [
-        ("significant_residual_m", "<= 5 kN", "kN is no unit of significant_residual_m; it takes m, dm, cm, mm, ft"),
-        ("slack_percent", "<= 5 s", "s is no unit of slack_percent; it takes %"),
-        ("significant_residual", "<= 5 furlong", "furlong is no unit of significant_residual; a figure without"),
+        ("significant_residual_m", "<= 5 kN", "kN is no unit of significant_residual_m; use m, dm, cm, mm, ft"),
+        ("slack_percent", "<= 5 s", "s is no unit of slack_percent; use %"),
+        ("significant_residual", "<= 5 furlong", "furlong is no unit of significant_residual; use m, cm"),
     ],
 )
 def test_a_unit_of_another_dimension_is_refused_with_those_that_the_figure_takes(key, text, words):

@@ -41,7 +41,7 @@ class WinchModelParameters(WinchFigures):
     position_gain: float = parameter(0.0, "1/s", 0.0, 1e3,
         "k_p of the servo's position loop, which adds to its speed loop.")  # fmt: skip
     set_point_reach: float = parameter(1.0, "", 1.0, 1e3,
-        "Largest speed set-point that has an effect, over speed_limit; above 1 it drives a slow servo harder.",
+        "Largest effective speed set-point, as a multiple of speed_limit; above 1 it drives a slow servo harder.",
     )  # fmt: skip
     acceleration_limit: float = parameter(1.5, "m/s^2", 1e-3, 1e6, "Largest payout acceleration.")
     disturbance: float = parameter(0.01, "m/s^2/sqrt(Hz)", 0.0, 10.0,

@@ -54,7 +54,7 @@ def execute(options: argparse.Namespace) -> None:
     if not found:
         near = difflib.get_close_matches(pattern, [row.info.name for row in rows], n=1, cutoff=0.5)
         hint = f"did you mean {near[0]}?" if near else "heave params prints all"
-        raise ParameterError(f"no parameter{f' of {node}' if node else ''} fits {pattern}; {hint}")
+        raise ParameterError(f"no parameter{f' of {node}' if node else ''} matches {pattern}; {hint}")
     nodes = dict.fromkeys(row.node for row in found)
     parts = [part for name in nodes for part in (name, _table([row for row in found if row.node == name]))]
     write_result(options, parts, [row.to_json() for row in found])
