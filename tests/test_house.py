@@ -47,7 +47,7 @@ FOLDERS = {
 
 BUDGETS = {
     "core": (4_036, 2_800),
-    "node_base": (12_511, 9_500),
+    "node_base": (12_539, 9_500),
     "wave_vessel_node": (5_085, 4_400),
     "cable_sim_node": (9_084, 8_500),
     "winch_controller_node": (18_848, 14_000),
