@@ -79,6 +79,15 @@ def test_python_and_yaml_in_a_document_are_well_formed(path):
             yaml.safe_load(block.text)
 
 
+def test_no_page_writes_over_the_scenario_that_another_page_makes():
+    """A reader keeps all files in one folder: `cat > my_lift.yaml` would replace that of `heave new my_lift`."""
+    typed = "\n".join(block.text for path in [*GUIDE, FIRST_PAGE] for block in blocks(path))
+    made = set(re.findall(r"heave new (\w+)", typed))
+    titles = {block.title.removesuffix(".yaml") for path in GUIDE for block in blocks(path)}
+    assert "my_lift" in made
+    assert made & ({*re.findall(r"> (\w+)\.yaml", typed)} | titles) == set()
+
+
 @pytest.mark.parametrize("path", [*GUIDE, *READMES, *PAGES, *ROOT.glob("docs/*.md")], ids=name_of)
 def test_every_link_of_a_document_leads_to_a_file_of_the_checkout(path):
     text = re.sub(r"^ *```.*?^ *```", "", path.read_text(encoding="utf-8"), flags=re.DOTALL | re.MULTILINE)

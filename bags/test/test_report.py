@@ -137,6 +137,9 @@ def test_a_motion_has_one_unit_in_table_extremes_axes_and_under_the_pointer(shar
         for trace in drawn["traces"]:
             if trace.get("yaxis", "y") == "y" and "heave" in drawn["layout"]["yaxis"]["title"]["text"]:
                 assert trace["hovertemplate"].endswith((" cm", "</extra>"))
+    innovations = innovation_figure(record)
+    assert innovations is not None
+    assert {"MRU heave", "load heave"} <= {str(trace["name"]) for trace in innovations.traces}
 
 
 LIFT = SCENARIO.replace(b"{transient:", b"{title: 'Template <T4>', description: 'Lowered by crane 2.', transient:")

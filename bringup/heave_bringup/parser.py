@@ -134,7 +134,7 @@ def make_parser(words: Sequence[str] = ()) -> argparse.ArgumentParser:
         subparser.add_argument(
             "--json",
             metavar="FILE",
-            help="write the result as JSON to FILE (- for standard output, and nothing else there)",
+            help="write the result as JSON to FILE; with -, standard output holds nothing else",
         )
         if name_of(command) in words[:1] or not _is_known(words[:1]):
             command.add_arguments(subparser)

@@ -92,8 +92,9 @@ def find_scenario(name: str) -> Path:
     if _CASE.fullmatch(name):
         raise ParameterError(f"{name}: is a case of a table; `heave study --case {name}` writes its scenario")
     if path.is_dir():
-        of_run = next((place for place in (path, path.parent) if (place / STORED).is_file()), path)
-        raise ParameterError(f"{name}: this is a folder; the scenario of a run is its file {of_run / STORED}")
+        of_run = next((place / STORED for place in (path, path.parent) if (place / STORED).is_file()), None)
+        hint = f"the scenario of a run is its file {of_run}" if of_run else "give a file, such as that of a run"
+        raise ParameterError(f"{name}: this is a folder; {hint}")
     if path.suffix in (".yaml", ".yml") or path.parent != Path():
         raise ParameterError(f"{name}: no such file")
     beside = path.with_name(f"{name}.yaml")

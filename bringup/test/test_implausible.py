@@ -98,6 +98,7 @@ def test_a_file_of_another_kind_is_named_with_its_command(tmp_path, monkeypatch,
     assert main(["new", "my_lift"]) == 0
     (tmp_path / "plan.yaml").write_text("scenario: b2_calm_300\nphases: [{name: deck}]\n")
     (tmp_path / "scenario.yaml").write_text("")
+    (tmp_path / "runs" / "empty").mkdir(parents=True)
     for command, file, says in (
         ("run", "plan.yaml", "plan.yaml: this is a lift plan; use heave study plan.yaml"),
         ("design", "plan.yaml", "plan.yaml: this is a lift plan; use heave study plan.yaml"),
@@ -105,6 +106,7 @@ def test_a_file_of_another_kind_is_named_with_its_command(tmp_path, monkeypatch,
         ("study", "b2_calm_300", f"b2_calm_300: this is a scenario; {OR_VARY.format('b2_calm_300')}"),
         ("run", "my_lift", "my_lift: no such scenario; did you mean my_lift.yaml?"),
         ("run", ".", ".: this is a folder; the scenario of a run is its file scenario.yaml"),
+        ("run", "runs/empty", "runs/empty: this is a folder; give a file, such as that of a run"),
     ):
         capsys.readouterr()
         assert main([command, file]) == 2

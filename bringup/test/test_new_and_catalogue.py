@@ -50,7 +50,7 @@ def test_a_lift_of_ones_own_is_stated_on_the_command_line(here, capsys):
     assert "6 t in air, 4.77 t in water, displaces 1.2 m^3; rope: 2010 m" in said, "6000 - 1025 x 1.2"
     assert "criteria (wanted) are those of unit_1500: check them" in said
     assert "added mass and drag area are scaled from the load of unit_1500: check them" in said
-    assert re.search(r"2000 m is before stretch; the rope stretches by [\d.]+ m at rest", said)
+    assert re.search(r"depth 2000 m is before stretch; at rest the rope stretches by [\d.]+ m", said)
     scenario, model = load_scenario("mine.yaml"), load_scenario("unit_1500")
     plant, controller = scenario.parameters["cable_sim"], scenario.parameters["winch_controller"]
     assert (plant.unit.mass, plant.unit.volume, plant.length) == (6000.0, 1.2, 2000.0 + plant.boom_tip_height)
@@ -154,7 +154,7 @@ def test_the_strength_of_a_wire_is_that_of_plant_and_belief_and_goes_with_the_wi
         ),
         (["new", "x", "--like", "b3_deep_90"], "did you mean b3_deep_900?"),
         (["new", "x", "--length", "-3"], "length"),
-        (["new", "x", "--mass", "600", "--volume", "3"], "the load floats, it displaces 3075 kg of water"),
+        (["new", "x", "--mass", "600", "--volume", "3"], "the load floats, displacing 3075 kg"),
         (["new", "x", "--mass", "-1", "--volume", "1"], "--mass -1: must be above 0"),
         (["new", "x", "--mass", "6000"], "its weight in water is not known; add --volume"),
         (["new", "x", "--mass", "6000", "--volume", "1", "--density", "6000"], "either the --volume or the --density"),

@@ -27,7 +27,7 @@ def test_what_the_page_states_once_is_the_same_everywhere():
 
     lists = [row for row in ROWS if STATED.fullmatch(row.info.name)]
     names = {row.info.name.rpartition(".")[2] for row in lists}
-    assert names == {"kind", "start", "duration", "magnitude"}
+    assert names == {"kind", "start", "duration", "magnitude", "fitted", "scale_error"}
     for name in names - {"kind"}:
         assert len({shown(row) for row in lists if row.info.name.endswith(f".{name}")}) == 1
     of_controller = {row.info.name: shown(row) for row in ROWS if row.node == "winch_controller"}

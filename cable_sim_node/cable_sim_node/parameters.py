@@ -30,10 +30,10 @@ class CableParameters(Checked):
     stiffness_quadratic: float = parameter(0.0, description="q of T = EA e (1 + q e + c e^2) at strain e.")
     stiffness_cubic: float = parameter(0.0, description="c of T = EA e (1 + q e + c e^2) at strain e.")
     internal_damping: float = parameter(0.0, "N s", 0.0, None,
-        "Tension per unit strain rate, at most the elastic tension.")  # fmt: skip
+        "Tension per unit strain rate; limited to the elastic tension.")  # fmt: skip
     loss_factor: float = parameter(0.0, "", 0.0, 0.3,
         "Hysteresis by friction between wires: loss per cycle over 2 pi times the peak elastic energy, "
-        "at any frequency; 0: none. axial_stiffness is that of large swings; where the loss is largest, "
+        "at any frequency; 0: none. axial_stiffness applies to large swings; where the loss is largest, "
         "the cable is stiffer by 1.6 times this factor.")  # fmt: skip
     loss_swing: float = parameter(0.1, "", 1e-3, 1.0,
         "Tension amplitude over mean tension at which the loss is largest; at half of it there is none.")  # fmt: skip
@@ -186,9 +186,8 @@ class WaveKinematicsParameters:
     """The waves that act on cable and unit: motion of the water and the surface, linear in deep water."""
 
     source: str = parameter("none",
-        description="none: still water; regular: one wave of this amplitude and period, whatever moves the vessel; "
-        "sea: the sea that moves the vessel, where it has components (boom_tip_source spectrum or "
-        "regular).", choices=("none", "regular", "sea"))  # fmt: skip
+        description="none: still water; regular: one wave of this amplitude and period; sea: the sea that moves "
+        "the vessel (boom_tip_source spectrum or regular).", choices=("none", "regular", "sea"))  # fmt: skip
     amplitude: float = parameter(0.0, "m", 0.0, None, "Source regular: wave amplitude.")
     period: float = parameter(10.0, "s", 0.5, None, "Source regular: wave period.")
     direction: float = parameter(0.0, "rad",
@@ -223,18 +222,18 @@ class RopePathParameters:
     """The rope's way from the drum over its sheaves to the boom tip: friction before the load cell, and what gives."""
 
     friction: float = parameter(0.0, "", 0.0, 2.0,
-        "ln of the tension ratio across the sheaves while the rope runs: mu theta (Euler and Eytelwein), "
-        "or -n ln e for n sheaves of efficiency e. The load cell is on the drum side; 0: none.",
+        "ln of the tension ratio across the sheaves of a running rope: mu theta (Euler and Eytelwein), or "
+        "-n ln e for n sheaves of efficiency e. The load cell is on the drum side; 0: none.",
     )  # fmt: skip
     stiffness: float = parameter(0.0, "N/m", 0.0, None,
         "Stiffness of boom, sheaves and rope between drum and boom tip, in series: a vertical spring "
-        "above the cable. It also yields while friction reverses. 0: rigid, without friction.",
+        "above the cable. 0: rigid, without friction.",
     )  # fmt: skip
 
     def __post_init__(self) -> None:
         check_ranges(self)
         if self.friction > 0.0 and self.stiffness == 0.0:
-            raise ValueError("rope_path.friction needs rope_path.stiffness: a rope sticks by what gives beside it")
+            raise ValueError("rope_path.friction needs rope_path.stiffness above 0")
 
 
 @dataclass(frozen=True)

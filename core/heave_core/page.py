@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 
-from heave_core.layout import ENUMERATIONS, STRUCTURES, TABLES
+from heave_core.layout import ENUMERATIONS
 
 HEAD = """# The core's layout
 
@@ -74,12 +74,7 @@ def page() -> str:
     """Return the page as Markdown."""
     kinds = [kind for kind in ENUMERATIONS if kind.__name__ in ORDER]
     names = [NUMBERS, *(f"| `{one.__name__}` | {', '.join(f'{n.name} {int(n)}' for n in one)} |" for one in kinds)]
-    left, structures = list(STRUCTURES), ["## Structures", "", "| table | structures |", "|---|---|"]
-    for table in TABLES:
-        own = [one for one in left if one in vars(table).values()]
-        left = [one for one in left if one not in own]
-        structures.append(f"| `{table.__name__.rpartition('.')[2]}` | {', '.join(f'`{one.name}`' for one in own)} |")
-    return "\n\n".join([HEAD.rstrip(), "\n".join(names), "\n".join(structures)]) + "\n"
+    return "\n\n".join([HEAD.rstrip(), "\n".join(names)]) + "\n"
 
 
 if __name__ == "__main__":

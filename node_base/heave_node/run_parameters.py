@@ -44,22 +44,20 @@ class RunParameters:
     foreign: tuple[str, ...] = parameter((),
         description="Nodes replaced by a program that takes part in each tick: --replace NODE=lockstep.")  # fmt: skip
     external_clocks: tuple[str, ...] = parameter((),
-        description="Clock of the stamps of each external node, as NODE=CLOCK: simulated (use_sim_time), own (its own "
-        "clock), none (stamp 0: time of arrival), detect (from the first message; the default). NODE=CLOCK:S subtracts "
-        "a latency of S seconds from the stamp or the time of arrival.")  # fmt: skip
+        description="Clock of each external node's stamps, as NODE=CLOCK: simulated (use_sim_time), own, none (stamp "
+        "0: time of arrival), detect (from the first message; the default). NODE=CLOCK:S subtracts S seconds of "
+        "latency.")  # fmt: skip
     autostart: bool = parameter(True, description="Configure and activate without a lifecycle manager.")
     start_timeout: float = parameter(300.0, "s", 1.0, 3600.0, "Wall time to wait for all nodes before the first tick.")
     participant_timeout: float = parameter(60.0, "s", 0.1, 3600.0,
         "Wall time for which a node may be silent, or compute one tick; then the run ends.")  # fmt: skip
     resend_period: float = parameter(0.25, "s", 0.01, 60.0, "Wall time after which an unanswered tick is sent again.")
     clock_offset_limit: float = parameter(0.1, "s", 1e-3, 1e9,
-        "Largest offset between the clocks of two hosts of a run in real time; a larger one is refused.")  # fmt: skip
+        "Real time: largest clock offset between two hosts; with a larger one the run is refused.")  # fmt: skip
     realtime_priority: int = parameter(0, "", 0, 99,
-        "Real time: priority (SCHED_FIFO) of the nodes that others wait for, their memory locked; 0: none.",
-    )  # fmt: skip
+        "Real time: priority (SCHED_FIFO) of the nodes in the loop, whose memory is locked; 0: none.")  # fmt: skip
     in_tick_wait: float = parameter(0.4, "", 0.0, 0.9,
-        "Real time: fraction of the tick for which a node waits for its inputs before it uses the newest ones it has.",
-    )  # fmt: skip
+        "Real time: fraction of the tick for which a node waits for inputs; then it uses the newest.")  # fmt: skip
 
     def __post_init__(self) -> None:
         if self.external and self.pacing != REALTIME:

@@ -113,7 +113,7 @@ def _collect(content: Mapping[str, Any], namespace: str, where: str, sections: S
 def _beside(section: object) -> str:
     """Return what to do about names that stand beside the parameters of a node, in place of below them."""
     if not isinstance(section, Mapping) or PARAMETERS_KEY not in section:
-        return ""
+        return "; `heave new` writes a file of this form"
     return f"; indent {sorted(str(name) for name in section if name != PARAMETERS_KEY)[0]} below it"
 
 

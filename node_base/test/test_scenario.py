@@ -155,7 +155,7 @@ def test_ros_finds_the_same_sections_and_lets_the_later_one_win(path, monkeypatc
         ("a: [1", "line 1 is not valid YAML"),
         ("a: [1,2\n x", "line 2 is not valid YAML"),
         ("just words", "must be a mapping of node names"),
-        ("cable_sim: {length: 3}", "cable_sim: must contain only ros__parameters"),
+        ("length: 3", "length: must contain only ros__parameters; `heave new` writes a file of this form"),
         (
             "cable_sim: {ros__parameters: {length: 3}, length: 4}",
             "cable_sim: must contain only ros__parameters; indent length below it",
@@ -172,7 +172,7 @@ def test_ros_finds_the_same_sections_and_lets_the_later_one_win(path, monkeypatc
         ("{}", "has no parameters"),
         ("a: {ros__parameters: {b: 1, b: 2}}", "b appears twice, again on line 1"),
         ("a: {ros__parameters: {b: 1}}\n/a: {ros__parameters: {b: 2}}", "b appears twice, in two sections"),
-        ("\xff\xfe", "is not valid YAML"),
+        ("\xff\xfe", "it is not text in UTF-8 (byte 0xff at 0); save it as UTF-8"),
         ("\n".join(f"n{n}: {{ros__parameters: {{a: 1}}}}" for n in range(501)), "has 501 sections, 500 are allowed"),
     ],
 )

@@ -27,8 +27,8 @@ class VesselAnswer:
     """What sea and controller state alike of how the vessel answers the sea."""
 
     model: str = parameter("second_order",
-        description="second_order (thesis Eq. 6.25), rao (table, 6 DOF; to a controller as fitted), fitted (second "
-        "order, to the rao), direct.", choices=VESSEL_MODELS)  # fmt: skip
+        description="second_order (thesis Eq. 6.25), rao (table, 6 DOF; the controller uses fitted), fitted (second "
+        "order, fitted to the table), direct.", choices=VESSEL_MODELS)  # fmt: skip
     natural_frequency: float = parameter(0.9, "rad/s", 0.01, 10.0, "omega_v of the second-order vessel.")
     damping_ratio: float = parameter(0.4, "", 0.01, 5.0, "xi_v of the second-order vessel.")
     rao_file: str = parameter("",
@@ -53,7 +53,7 @@ class LoadResponseParameters:
     """How the ship answers to the tension at the boom tip."""
 
     displacement: float = parameter(0.0, "kg", 0.0, None,
-        "Mass of the ship that gives way to the load in heave, roll and pitch; 0: it does not.")  # fmt: skip
+        "Mass of the ship, which cable tension moves in heave, roll and pitch; 0: no effect.")  # fmt: skip
     waterplane_area: float = parameter(1500.0, "m^2", 1.0, None, "Waterplane area.")
     metacentric_height: tuple[float, ...] = parameter((1.5, 110.0), "m", 0.01, None,
         "Metacentric heights: transverse, longitudinal.", length=2)  # fmt: skip
@@ -96,8 +96,8 @@ class MruParameters:
         length=3)  # fmt: skip
     latency: float = parameter(0.0, "s", 0.0, 5.0, "Delay from a reading's time stamp to its delivery.")
     stamp_error: float = parameter(0.0, "s", -5.0, 5.0,
-        "Time by which the stamp is late: above 0, a further delay that the stamp hides; below 0, "
-        "readings are newer than their stamp.")  # fmt: skip
+        "Time by which the stamp is late: above 0, an additional hidden delay; below 0, readings are "
+        "newer than their stamp.")  # fmt: skip
     # after a restart the status is settling for this many periods of the high-pass filter [-]
     settling_periods: float = 10.0
     # error of vertical acceleration right after a restart [m/s^2]; it decays with the period of the high-pass filter
@@ -263,7 +263,7 @@ class WaveVesselParameters(SeaParameters):
     recording_topic: str = parameter("boom_tip",
         description="Topic to read from a bag: boom_tip or mru (any namespace).")  # fmt: skip
     accept_implausible: bool = parameter(False,
-        description="Accept implausible values in the files of sea, recording and RAOs.")  # fmt: skip
+        description="Accept implausible values in sea, motion and RAO files.")  # fmt: skip
     filter: ShapingFilterParameters = group(ShapingFilterParameters)
     vessel: VesselParameters = group(VesselParameters)
     load_response: LoadResponseParameters = group(LoadResponseParameters)

@@ -263,13 +263,16 @@ def timing_figure(record: RunRecord) -> Figure | None:
     return Figure("Timing", caption, traces, layout, is_over_time=False)
 
 
-INNOVATION_UNITS = {
-    **dict.fromkeys(("mru_heave", "unit_heave", "payout"), "[cm]"),
-    **dict.fromkeys(("mru_heave_rate", "unit_velocity"), "[m/s]"),
-    "unit_acceleration": "[m/s²]",
-    "tension": "[kN]",
+INNOVATIONS = {
+    "mru_heave": ("MRU heave", "[cm]"),
+    "mru_heave_rate": ("MRU heave rate", "[m/s]"),
+    "unit_heave": ("load heave", "[cm]"),
+    "unit_velocity": ("load velocity", "[m/s]"),
+    "unit_acceleration": ("load acceleration", "[m/s²]"),
+    "payout": ("encoder payout", "[cm]"),
+    "tension": ("hook load", "[kN]"),
 }
-"""Units by the names of measurements."""
+"""What readers call a measurement, and the unit in which they see it, by the name that the estimator gives it."""
 
 
 def innovation_figure(record: RunRecord) -> Figure | None:
@@ -289,21 +292,18 @@ def innovation_figure(record: RunRecord) -> Figure | None:
     )
     gap = 0.08 / len(rows)
     for index, row in enumerate(map(_shown_innovation, rows)):
+        words, unit = INNOVATIONS.get(row.name, (row.name, ""))
         axis = "y" if index == 0 else f"y{index + 1}"
-        colour = RUN_COLOURS[index % len(RUN_COLOURS)]
         band = 2.0 * row.sigma
         edge = {"axis": axis, "dash": "dot", "width": 1.0}
         figure.traces += [
-            line(Signal(row.time, row.value), row.name.replace("_", " "), colour, axis=axis, width=1.0),
+            line(Signal(row.time, row.value), words, RUN_COLOURS[index % len(RUN_COLOURS)], axis=axis, width=1.0),
             line(Signal(row.time, band), "2 sigma", "#888888", **edge) | {"showlegend": index == 0},
             line(Signal(row.time, -band), "2 sigma", "#888888", **edge) | {"showlegend": False},
         ]
         top = 1.0 - index / len(rows)
-        name = "yaxis" + axis[1:]
-        figure.layout[name] = {
-            "title": {
-                "text": f"{row.name.replace('_', ' ')}<br>{INNOVATION_UNITS.get(row.name, '')}".removesuffix("<br>")
-            },
+        figure.layout[f"yaxis{axis[1:]}"] = {
+            "title": {"text": f"{words}<br>{unit}".removesuffix("<br>")},
             "domain": [max(0.0, top - 1.0 / len(rows) + gap), top],
             "range": _settled_range(row, record),
         }
@@ -313,7 +313,7 @@ def innovation_figure(record: RunRecord) -> Figure | None:
 
 def _shown_innovation(row: Innovation) -> Innovation:
     """Return an innovation in the unit in which people see its quantity."""
-    scale = {"[cm]": CM, "[kN]": KN}.get(INNOVATION_UNITS.get(row.name, ""), 1.0)
+    scale = {"[cm]": CM, "[kN]": KN}.get(INNOVATIONS.get(row.name, ("", ""))[1], 1.0)
     return Innovation(row.name, row.time, scale * row.value, scale * row.sigma)
 
 

@@ -21,10 +21,8 @@ from heave_node.ros.participant import CATCH_UP_LIMIT
 from heave_node.run_parameters import RunParameters
 from wave_vessel_node.parameters import WaveVesselParameters
 from winch_controller_node.beliefs.beliefs import LATENCY
-from winch_controller_node.core.estimation.preview_watch import MAXIMUM_AGE, PROOF_TIME
 from winch_controller_node.core.supervision.modes import WAIT
 from winch_controller_node.node_parameters import WinchControllerParameters
-from winch_controller_node.parameters.model import CONFIRMED_AFTER
 
 TICK = RunParameters().tick_period
 WINCH = WinchParameters()
@@ -34,14 +32,10 @@ VALUES = {
     "tick": TICK,
     "winch": WINCH,
     "modes": CONTROLLER.modes,
-    "crane": CONTROLLER.crane,
     "boom_tip_height": WaveVesselParameters().boom_tip_height,
     "latency": LATENCY,
     "wait": WAIT,
     "catch_up": CATCH_UP_LIMIT,
-    "preview_age": MAXIMUM_AGE,
-    "preview_proof": PROOF_TIME,
-    "crane_confirmed": CONFIRMED_AFTER,
 }
 """What the words of the file may name in braces."""
 WORDS: Mapping[str, Any] = parse_yaml(Path(__file__).with_suffix(".yaml").read_text(encoding="utf-8"))

@@ -34,7 +34,7 @@ class SensorTruth(NamedTuple):
 class DepthSensorParameters(SensorParameters):
     """Pressure sensor of the unit. The pressure is that of still water above it: waves do not reach the unit."""
 
-    latency: float = parameter(0.1, "s", 0.0, 600.0, "Delay from the measurement (its stamp) to its delivery.")
+    latency: float = parameter(0.1, "s", 0.0, 600.0, "Delay from time stamp to delivery.")
     noise: float = parameter(0.02, "m", 0.0, 100.0, "Standard deviation of white noise, in depth.")
     bias: float = parameter(0.0, "m", -1000.0, 1000.0, "Constant error, in depth.")
     resolution: float = parameter(0.0, "m", 0.0, 10.0, "Resolution, in depth; 0: none.")
@@ -49,7 +49,7 @@ class VelocitySensorParameters(SensorParameters):
     """Doppler velocity log (DVL): velocity over ground of the unit."""
 
     rate: float = parameter(5.0, "Hz", 1e-3, 10_000.0, "Samples per second.")
-    latency: float = parameter(0.1, "s", 0.0, 600.0, "Delay from the measurement (its stamp) to its delivery.")
+    latency: float = parameter(0.1, "s", 0.0, 600.0, "Delay from time stamp to delivery.")
     noise: float = parameter(0.01, "m/s", 0.0, 100.0, "Standard deviation of white noise on each axis.")
     bias: float = parameter(0.0, "m/s", -100.0, 100.0, "Constant error on each axis.")
     bottom_range: float = parameter(0.0, "m", 0.0, 20_000.0,

@@ -38,7 +38,7 @@ class FrictionParameters(Checked):
     """Friction of bearings, gear and sheaves, as a force at the rope, against the motion."""
 
     coulomb: float = parameter(0.0, "N", 0.0, 1e9, "Friction independent of load.")
-    load: float = parameter(0.0, "", 0.0, 1.0, "Friction proportional to tension, as a fraction of it.")
+    load: float = parameter(0.0, "", 0.0, 1.0, "Friction as a fraction of tension.")
     slip_speed: float = 0.01  # rope speed at which the two frictions above reach 76 % of their value [m/s]
     viscous: float = parameter(0.0, "N s/m", 0.0, 1e9, "Friction proportional to speed.")
 

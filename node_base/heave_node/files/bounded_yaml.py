@@ -150,6 +150,8 @@ def parse_yaml(text: str | bytes, *, only_true_and_false: bool = False, most_val
 def _complaint(error: Exception, text: str) -> str:
     """Return what is wrong with a `text` that is no YAML: the line, what to look at, and the parser's own words."""
     mark = getattr(error, "problem_mark", None)
+    if isinstance(error, UnicodeDecodeError):
+        return f"it is not text in UTF-8 (byte {error.object[error.start]:#x} at {error.start}); save it as UTF-8"
     if mark is None:
         return f"it is not valid YAML: {' '.join(str(error).split())[:500]}"
     lines = text.splitlines()

@@ -33,9 +33,9 @@ class SensorParameters(abc.ABC):
     gives one sample a tick.
     """
 
-    fitted: bool = parameter(True, description="Whether the sensor is fitted.")
+    fitted: bool = parameter(True, description="The sensor is fitted.")
     rate: float = parameter(10.0, "Hz", 1e-3, 10_000.0, "Samples per second.")
-    latency: float = parameter(0.0, "s", 0.0, 600.0, "Delay from the measurement (its stamp) to its delivery.")
+    latency: float = parameter(0.0, "s", 0.0, 600.0, "Delay from time stamp to delivery.")
     scale_error: float = parameter(0.0, "", -1.0, 1.0, "Relative scale error: 0.05 reads 5 % high.")
     faults: FaultParameters = group(SensorFaultParameters)
 

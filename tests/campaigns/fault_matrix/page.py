@@ -38,7 +38,7 @@ values as assumed or with one that differs. Generated from `docs/fault_matrix.js
 | named | an alarm names the faulty part (of faults that have an effect) |
 | not blamed | no alarm names a healthy part |
 | alarm, rest | time from the fault: median, largest |
-| largest | travel over its limit / load motion over that with the winch locked |
+| largest | travel as a multiple of its limit / load motion as a multiple of that with the winch locked |
 
 A fault without effect (a reversed drive while the brake holds) need not be named. Faults of network, PLC and recorder
 are not included, because they need more than one process.

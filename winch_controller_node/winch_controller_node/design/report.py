@@ -376,6 +376,6 @@ def _curve_row(point: TradeOff) -> str:
 def _demands(report: DesignReport) -> str:
     return (
         "What the winch must deliver for full compensation, largest in 3 h, at static tension and a drum radius "
-        f"of {DRUM_RADIUS:g} m.\nDrum and motor of inertia J need a further torque of J a / {DRUM_RADIUS:g} m at "
-        "acceleration a.\n" + format_feasibility(report.feasibility)
+        f"of {DRUM_RADIUS:g} m.\nTo accelerate drum and motor (inertia J) at a, add torque J a / {DRUM_RADIUS:g} m.\n"
+        + format_feasibility(report.feasibility)
     )

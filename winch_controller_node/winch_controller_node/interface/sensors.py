@@ -113,7 +113,7 @@ class SampledSensorParameters(SensorModelParameters):
     """A sensor with samples and a latency of its own."""
 
     rate: float = parameter(20.0, unit="Hz", minimum=0.01, maximum=1000.0, description="Readings per second.")
-    latency: float = parameter(0.0, "s", 0.0, 5.0, "Typical age of a reading when it arrives.")
+    latency: float = parameter(0.0, "s", 0.0, 5.0, "Typical age on arrival.")
 
     def period(self, tick_period: float) -> float:
         """Return the time between readings [s], whatever the `tick_period`."""
@@ -172,7 +172,7 @@ class DepthModelParameters(SampledSensorParameters):
 
     noise: float = parameter(0.02, unit="m", minimum=1e-5, maximum=100.0, description="White noise, 1 sigma.")
     rate: float = parameter(10.0, unit="Hz", minimum=0.01, maximum=1000.0, description="Readings per second.")
-    latency: float = parameter(0.1, "s", 0.0, 5.0, "Typical age of a reading when it arrives.")
+    latency: float = parameter(0.1, "s", 0.0, 5.0, "Typical age on arrival.")
     bias_sigma: float = parameter(1.0, "m", 0.0, 100.0, "Uncertainty of the mean depth at the start, 1 sigma.")
     bias_drift: float = parameter(2e-4, "m/sqrt(s)", 0.0, 1.0,
         "Random walk of the mean depth: tide, sensor drift, stretch.")  # fmt: skip

@@ -16,7 +16,7 @@ class LimitParameters:
         "Lowest tension as a fraction of static tension; 0: no bound.")  # fmt: skip
     maximum_tension_ratio: float = parameter(0.0, "", 0.0, 100.0,
         "Highest tension as a multiple of static tension: plans keep it, and above it the winch pays "
-        "out. If the sea requires more, it is not kept (TENSION_LIMIT_LOW); 0: none.")  # fmt: skip
+        "out, unless the sea requires more (TENSION_LIMIT_LOW); 0: none.")  # fmt: skip
 
     def __post_init__(self) -> None:
         if 0.0 < self.maximum_tension_ratio < 1.0:
@@ -37,8 +37,8 @@ class GuardParameters:
     floor: float = parameter(0.02, "m", 0.0, 10.0,
         "Residual, 1 sigma, below which compensation is never judged harmful.")  # fmt: skip
     limit_use: float = parameter(0.85, "", 0.05, 10.0,
-        "Fraction of the winch limits that boom-tip peaks may use under a law that does not plan within "
-        "the limits; its gain is reduced accordingly.")  # fmt: skip
+        "Fraction of the winch limits that boom-tip peaks may use under a law without a plan; its gain is "
+        "reduced accordingly.")  # fmt: skip
 
 
 @dataclass(frozen=True)

@@ -120,8 +120,8 @@ class WeightParameters:
     """
 
     unit_heave: float = parameter(0.05, "m", 0.0, None,
-        "Cost of laws lqr and lqg: scale of unit heave (one scale of each costs the same); smaller is tighter. Law "
-        "mpc has mpc.unit_heave.")  # fmt: skip
+        "Cost of laws lqr and lqg: scale of unit heave (one scale of each costs the same); smaller is tighter, 0 "
+        "removes it. Law mpc has mpc.unit_heave.")  # fmt: skip
     unit_heave_rate: float = 0.0  # the same cost: scale of the unit's heave rate; 0 leaves it out [m/s]
     outlet_heave: float = parameter(0.05, "m", 0.0, None,
         "Cost of laws lqr and lqg: scale of boom-tip heave less payout; 0 removes it.")  # fmt: skip

@@ -95,9 +95,7 @@ def execute(options: argparse.Namespace) -> None:
     unit = f"load: {load}, displaces {plant.unit.volume:.3g} m^3; rope: {plant.length:g} m"
     stretch = axial_line(plant, scenario.parameters["wave_vessel"].boom_tip_height).static_stretch(plant.length)
     if options.depth is not None:
-        unit += (
-            f"\nnote: the depth of {options.depth:g} m is before stretch; the rope stretches by {stretch:.2g} m at rest"
-        )
+        unit += f"\nnote: depth {options.depth:g} m is before stretch; at rest the rope stretches by {stretch:.2g} m"
     if (options.mass, options.volume, options.density) != (None, None, None):
         shape = options.unit or model.stem
         unit += f"\nnote: added mass and drag area are scaled from the load of {shape}: check them"
@@ -131,9 +129,7 @@ def _changed(sections: Sections, options: argparse.Namespace) -> Sections:
             kept = {key: value for key, value in shared.items() if key not in replaced}
             has_more = any(key.startswith(f"system.{kind}.") for key in kept)
             shared = {f"system.{kind}.{FROM}" if has_more else f"system.{kind}": entry.name, **kept}
-    ordered = dict(
-        sorted(shared.items(), key=lambda item: item[0].startswith("system."))
-    )  # a sort keeps the order else
+    ordered = dict(sorted(shared.items(), key=lambda item: item[0].startswith("system.")))  # in order otherwise
     first = {WILDCARD: ordered} if ordered else {}
     return {**first, **{name: values for name, values in sections.items() if name != WILDCARD}}
 
@@ -181,10 +177,7 @@ def _unit(options: argparse.Namespace, model: Scenario) -> dict[str, object]:
     new = heavy / options.density if options.density is not None else options.volume
     ratio, density = new / volume if volume > 0.0 else 1.0, model.parameters["cable_sim"].water_density
     if not density * new < heavy:
-        raise ParameterError(
-            f"--mass {heavy:g} --volume {new:.4g}: the load floats, it displaces {density * new:.4g} kg of water; "
-            "check both values"
-        )
+        raise ParameterError(f"--mass {heavy:g} --volume {new:.4g}: the load floats, displacing {density * new:.4g} kg")
     added, areas = own.get("added_mass", unit.added_mass), own.get("drag_area", unit.drag_area)
     return {
         "system.unit.mass": heavy,

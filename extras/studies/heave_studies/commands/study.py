@@ -40,7 +40,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--case",
         metavar="FILE.parquet:CASE",
-        help="write the scenario of one case of a table, and missing files that it needs, to run it over ROS",
+        help="write one case of a table as a scenario, with the input files that it needs, to run it over ROS",
     )
     parser.add_argument(
         "--vary",
