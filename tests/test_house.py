@@ -46,14 +46,14 @@ FOLDERS = {
 """Folder of each package whose folder has another name."""
 
 BUDGETS = {
-    "core": (4_036, 2_800),
-    "node_base": (12_496, 9_500),
+    "core": (4_032, 2_800),
+    "node_base": (12_543, 9_500),
     "wave_vessel_node": (5_085, 4_400),
-    "cable_sim_node": (9_084, 8_500),
-    "winch_controller_node": (18_848, 14_000),
+    "cable_sim_node": (9_083, 8_500),
+    "winch_controller_node": (18_850, 14_000),
     "bags": (10_655, 7_700),
-    "bringup": (7_768, 6_100),
-    "extras/devices": (7_473, 4_900),
+    "bringup": (7_762, 6_100),
+    "extras/devices": (7_480, 4_900),
     "extras/studies": (13_430, 6_000),
     "extras/statics": (3_205, 1_800),
     "extras/drives": (1_784, 1_784),

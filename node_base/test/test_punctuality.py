@@ -1,7 +1,9 @@
 """Who was late: what a node reports about the delays of ticks, of itself and of the clock master."""
 
 import pytest
-from heave_node.tick.punctuality import Punctuality
+from heave_node.tick.punctuality import RECENT, REMEMBERED, Punctuality
+from hypothesis import given
+from hypothesis import strategies as st
 
 TICK, SECOND = 50_000_000, 1_000_000_000
 MASTER, NODE = 7 * SECOND, 1_700_000_000 * SECOND
@@ -49,3 +51,16 @@ def test_without_times_from_the_middleware_all_delay_is_that_of_the_clock():
     for number in range(1, 20):
         punctuality.entered(number * TICK, 0, NODE + number * TICK + (SECOND if number > 15 else 0))
     assert (punctuality.of_node, punctuality.of_clock) == (0.0, pytest.approx(1.0))
+
+
+@given(st.lists(st.tuples(st.integers(0, REMEMBERED // 3), st.integers(0, SECOND)), min_size=1, max_size=40))
+def test_delays_are_those_of_the_time_that_counts(steps):
+    punctuality, wall, entered = Punctuality(), NODE, []
+    for number, (step, delay) in enumerate(steps):
+        wall += step
+        entered.append((wall, delay))
+        punctuality.entered(number * TICK, wall - delay, wall)
+    least = min(delay for at, delay in entered if at >= wall - REMEMBERED)
+    largest = max(delay for at, delay in entered if at >= wall - RECENT)
+    assert punctuality.newest_of_node == pytest.approx((entered[-1][1] - least) / SECOND)
+    assert punctuality.of_node == pytest.approx((largest - least) / SECOND)

@@ -54,7 +54,7 @@ def test_a_fault_raises_the_alarm_within_three_samples_and_is_named(fault, reaso
 @pytest.mark.parametrize("status", ["", "status settling"])
 def test_whatever_a_reading_is_refused_for_has_an_alarm_with_an_action(stamp, value, status):
     gate = make_gate()
-    feed(gate, [7.0] * 2)
+    feed(gate, [6.0, 7.0, 7.0], start=0)
     gate.judge(3 * DT, stamp, (value,), status)
     lost = lost_alarm("mru", gate.reason, age=math.nan, limit=math.nan)
     assert lost.name == f"SENSOR_LOST, MRU: {gate.reason}"
@@ -190,6 +190,21 @@ def test_an_mru_that_was_frozen_is_read_again_once_it_moves(lasting):
     assert all(taken[:frozen])
     assert not any(taken[frozen + 10 : last])
     assert all(taken[last:])
+
+
+@pytest.mark.parametrize(("stands", "is_lost"), [(240, False), (401, True)])
+def test_a_sensor_may_stand_before_its_first_step_for_as_long_as_no_compensation_can_begin(stands, is_lost):
+    """A sea that rises from rest, by an MRU of 1 cm without noise: nothing tells yet how large its steps are."""
+    gate, steps = SensorGate("mru", SensorTiming(DT), HealthParameters()), MruSteps()
+    levels = []
+    for k in range(stands + 400):
+        growth = 0.05 * max(k - stands, 0) * DT
+        phase = 2.0 * np.pi / 9.0 * k * DT
+        heave, rate = growth * np.sin(phase), growth * np.cos(phase)
+        judge_mru(gate, k * DT, MruReading(k * DT, round(heave, 2), round(rate, 2)), steps, 0.01)
+        levels.append(gate.level)
+    assert (LOST in levels) == is_lost
+    assert levels[-1] == OK
 
 
 def encoder_after(steps, rate=0.5):

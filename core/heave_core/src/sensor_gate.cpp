@@ -8,7 +8,7 @@ namespace {
 
 void begin_sameness(Sameness &same, double usual) {
     same = Sameness{};
-    same.run = same.longest = same.newest = 1.0;
+    same.run = same.longest = 1.0;
     same.usual = same.least = usual;
     std::fill_n(same.values, 4, NOT_KNOWN);
 }
@@ -16,19 +16,23 @@ void begin_sameness(Sameness &same, double usual) {
 // Whether the run of equal readings is no chance. Of a sensor that reads in steps two in a row are often the same: a run
 // of n comes by chance with a probability p^(n - 1), p the share of readings that were like the one before. At a crest of
 // the sea runs are longer than that: one must also be longer than those before, and than a crest that is approached as
-// fast as the last step shows: of a motion q - a t^2 / 2 in steps of q the last one takes 4.8 times the one before.
-bool stands(const Health &health, Sameness &same, const double *values, int count) {
+// fast as the last step shows: of a motion q - a t^2 / 2 in steps of q the last one takes 4.8 times the one before. Until
+// its first step nothing is known of its steps, and a calm sea may be smaller than one.
+bool stands(const Health &health, Sameness &same, double interval, const double *values, int count) {
     if (!std::equal(values, values + count, same.values)) {
         const double weight = std::min(1.0, same.run / health.sameness_memory);
         // one run far longer than all before was a sensor that stood, not one that reads in steps
         const double longest = std::min(same.run, 2.0 * same.longest);
         same.longest = std::max(longest, same.longest * (1.0 - weight / 10.0));
         same.usual += weight * ((same.run - 1.0) / same.run - same.usual);
-        same.newest = same.run, same.run = 1.0;
+        same.newest = std::isnan(same.values[0]) ? 0.0 : same.run;
+        same.run = 1.0;
         std::copy_n(values, count, same.values);
         return false;
     }
     same.run += 1.0;
+    const bool is_first = same.newest == 0.0;
+    if (is_first && same.run * interval < health.standing_time) return false;
     double least = health.frozen_samples;
     if (same.longest >= health.in_steps)
         least = std::max({least, health.fewest_of_steps, std::nearbyint(health.longer * same.longest),
@@ -46,9 +50,10 @@ int fault_of(const Health &health, const Sensor &sensor, SensorGate &gate, doubl
     if (!std::isfinite(time) || time > now + health.stamp_tolerance) return WRONG_STAMP;
     if (time <= gate.newest_stamp) return OUT_OF_ORDER;
     // a heave that stands contradicts its rate as well
-    if (count > 2 && stands(health, gate.same_part, values, 2)) status = FROZEN;
+    if (count > 2 && stands(health, gate.same_part, gate.interval.value, values, 2)) status = FROZEN;
     if (status != GOOD) return int(status);
-    return sensor.checks_frozen && stands(health, gate.same, values, count) ? FROZEN : GOOD;
+    const bool is_checked = sensor.checks_frozen != 0.0;
+    return is_checked && stands(health, gate.same, gate.interval.value, values, count) ? FROZEN : GOOD;
 }
 
 void accept(SensorGate &gate) {

@@ -369,3 +369,18 @@ def test_health_says_what_is_wrong_and_where_to_look():
 def test_a_type_that_is_not_installed_is_refused_with_what_to_do():
     with pytest.raises(CommandError, match="novatel_oem7_msgs/msg/INSPVA is not installed: build its package, source"):
         LiveDevice(find_map("novatel_inspva"), Node())
+
+
+def test_an_mru_leaves_the_boom_tip_to_a_vessel_in_the_run():
+    """As with `heave run --replace mru=external`, where a topic has one publisher."""
+    node = Node()
+    device = LiveDevice(
+        device_map_of("mru", {"heave": {"topic": "/z", "type": "std_msgs/msg/Float64", "field": "data"}}), node
+    )
+    device.guard()
+    assert "boom_tip" in node.sent
+    node.others.add("boom_tip")
+    for _ in range(2):
+        device.guard()
+    assert "boom_tip" not in node.sent
+    assert node.said == ["mru: another node moves the boom tip, this device does not"]

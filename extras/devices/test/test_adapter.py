@@ -175,12 +175,12 @@ def test_a_plc_that_lost_its_count_is_counted_on_and_named():
     assert adapter.taker.zeros["payout"] + adapter.newest["payout"] == pytest.approx(0.0)
 
 
-@pytest.mark.parametrize(("unit", "first"), [("s", 1_764_000_000.0), ("ms", 1_764_000_000_000.0), ("s", 3.0)])
+@pytest.mark.parametrize(("unit", "first"), [("s", 1.764e9), ("ms", 1.764e12), ("us", 1.764e15), ("s", 3.0)])
 def test_a_device_time_of_any_epoch_stamps_within_what_a_stamp_holds(unit, first):
     """Seconds since 1970, as a PLC with a clock sends them, and those since its start."""
     time = {"field": "input:9:float64", "unit": unit}
     adapter = Adapter(device_map_of("m", {"source": {"modbus": "1"}, "payout": "input:0", "device_time": time}))
-    step = 0.1 if unit == "s" else 100.0
+    step = 0.1 * {"s": 1.0, "ms": 1e3, "us": 1e6}[unit]
     stamps = []
     for k in range(5):
         sample = Sample("MODBUS", {"input:0": 1.0, "input:9:float64": first + step * k})
@@ -224,3 +224,14 @@ def test_a_sample_that_is_older_than_one_before_is_not_used():
     assert stamps == pytest.approx([100.0, 100.1, 100.2, 100.3, 100.3])
     (clock,) = adapter.clocks.values()
     assert (clock.late, clock.glitches, clock.restarts) == (1, 1, 0)
+
+
+def test_a_drum_whose_first_value_stands_for_none_in_a_way_that_nobody_stated_is_read_once_it_has_one():
+    """-9999 m can be, so it is the zero; the true 12.3 m then was 10 km from it, and was refused for ever."""
+    adapter = Adapter(
+        device_map_of("m", {"source": {"modbus": "1"}, "payout": {"field": "input:0", "zero_at_start": True}})
+    )
+    read = [-9999.0] * 3 + [12.3, 12.31, 12.32]
+    found = [adapter.on_samples([Sample("MODBUS", {"input:0": one})], 0.05 * k) for k, one in enumerate(read)]
+    assert [reading.payout for ((_, reading),) in found] == pytest.approx([0.0, 0.0, 0.0, 0.0, 0.01, 0.02])
+    assert "jumped" in adapter.drum_count.words

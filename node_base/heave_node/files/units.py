@@ -32,7 +32,7 @@ UNITS: Mapping[str, Mapping[str, float]] = {
         "psi": _POUND / 0.0254**2,
     },
     "number": {"": 1.0},
-    "time": {"s": 1.0, "ms": 0.001, "min": 60.0, "h": 3600.0},
+    "time": {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9, "min": 60.0, "h": 3600.0},
     "power": {"W": 1.0, "kW": 1e3, "MW": 1e6},
 }
 """Sizes of units in SI units, by dimension."""

@@ -355,11 +355,7 @@ class ClockMasterNode(HeaveNode):
         tick = self.tick
         if self._stepped or tick is None or self.failure:
             return
-        if self.roster.unanswered(tick.number, flush=self._lead.flush):
-            return
-        # at the end in real time no more of what is missing may come
-        is_last = self._lead.flush and not self.run.is_lockstep
-        if not (self.gate.is_complete() or (is_last and self._patience.is_over(self.gate.lost()))):
+        if self.roster.unanswered(tick.number, flush=self._lead.flush) or not self._has_all_inputs():
             return
         self._stepped = True
         if self._lead.flush:
@@ -370,6 +366,12 @@ class ClockMasterNode(HeaveNode):
             self._begin_what_follows()
         else:
             after_tick()
+
+    def _has_all_inputs(self) -> bool:
+        """Return whether all inputs of the tick are here; at the end in real time, whether no more of them come."""
+        if self.gate.is_complete():
+            return True
+        return self._lead.flush and not self.run.is_lockstep and self._patience.is_over(self.gate.lost())
 
     def _begin_what_follows(self) -> None:
         """Go on after a tick: to the next one, to the end, to a pause or to a new run."""

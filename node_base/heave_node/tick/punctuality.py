@@ -19,7 +19,7 @@ class Punctuality:
 
     def __init__(self) -> None:
         self._newest = 0
-        self._delays: deque[tuple[int, int, int]] = deque()
+        self._clock, self._node = _Delay(), _Delay()
 
     def entered(self, start: int, sent: int, wall: int) -> None:
         """Take in a tick that this node enters.
@@ -31,31 +31,63 @@ class Punctuality:
         wall : now, by this node's clock [ns]
         """
         if start < self._newest:  # another run
-            self._delays.clear()
+            self._clock, self._node = _Delay(), _Delay()
         self._newest = start
-        while self._delays and self._delays[0][0] < wall - REMEMBERED:
-            self._delays.popleft()
         sent = sent or wall
-        self._delays.append((wall, sent - start, wall - sent))
+        self._clock.add(wall, sent - start)
+        self._node.add(wall, wall - sent)
 
     @property
     def of_clock(self) -> float:
         """Time by which ticks of the last seconds began late [s]: the machine stalled, or the master."""
-        return self._largest(1)
+        return self._clock.largest / _SECOND
 
     @property
     def of_node(self) -> float:
         """Time by which this node entered ticks of the last seconds late, after they had begun [s]."""
-        return self._largest(2)
+        return self._node.largest / _SECOND
 
     @property
     def newest_of_node(self) -> float:
         """Time by which this node entered the newest tick late, after it had begun [s]."""
-        return (self._delays[-1][2] - min(delays[2] for delays in self._delays)) / _SECOND if self._delays else 0.0
+        return self._node.newest / _SECOND
 
-    def _largest(self, column: int) -> float:
-        if not self._delays:
-            return 0.0
-        since = self._delays[-1][0] - RECENT
-        least = min(delays[column] for delays in self._delays)
-        return (max(delays[column] for delays in self._delays if delays[0] >= since) - least) / _SECOND
+
+class _Delay:
+    """A delay beside the least one that is remembered, which counts as none [ns]."""
+
+    def __init__(self) -> None:
+        self._least, self._most = _Least(REMEMBERED), _Least(RECENT)  # the latter of delays times -1
+        self._newest = 0
+
+    def add(self, wall: int, delay: int) -> None:
+        self._least.add(wall, delay)
+        self._most.add(wall, -delay)
+        self._newest = delay
+
+    @property
+    def newest(self) -> int:
+        return self._newest - self._least.value
+
+    @property
+    def largest(self) -> int:
+        return -self._most.value - self._least.value
+
+
+class _Least:
+    """The least of the values that came within a length of wall time [ns], kept as they come."""
+
+    def __init__(self, length: int) -> None:
+        self._length = length
+        self._rising: deque[tuple[int, int]] = deque()  # each is less than all that came after it
+
+    def add(self, wall: int, value: int) -> None:
+        while self._rising and self._rising[-1][1] >= value:
+            self._rising.pop()
+        self._rising.append((wall, value))
+        while self._rising[0][0] < wall - self._length:
+            self._rising.popleft()
+
+    @property
+    def value(self) -> int:
+        return self._rising[0][1] if self._rising else 0

@@ -141,9 +141,13 @@ class LiveDevice:
         return bool(self.adapter.newest.get("brake", 0.0)) or bool(self.orders.handshake.fault)
 
     def guard(self) -> None:
-        """Look after the winch; called many times a second."""
+        """Look after the winch, and leave the boom tip to the run's vessel where there is one; called often."""
         with self._lock:
             self.orders.guard()
+        if self._tip is not None and self._node.count_publishers(topics.BOOM_TIP.name) > 1:
+            self._node.get_logger().info(f"{self.device.name}: another node moves the boom tip, this device does not")
+            self._node.destroy_publisher(self._tip)
+            self._tip = None
 
     def _on_message(self, topic: str) -> Callable[[Any], None]:
         def take(message: Any) -> None:

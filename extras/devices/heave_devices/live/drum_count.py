@@ -9,6 +9,8 @@ import math
 
 from heave_node.numerics.constants import STANDARD_GRAVITY
 
+from heave_devices.maps.quantities import QUANTITIES
+
 JITTER = 0.2
 """Time by which two readings may have come nearer to each other than they were taken [s]."""
 LEAST = 0.05
@@ -45,8 +47,9 @@ class DrumCount:
         time = elapsed + JITTER
         if has_restarted:  # it stood, or went on for a moment: its clock has stepped, or one of its times was wrong
             time = min(time, JITTER)
-        allowed = LEAST + abs(last[2]) * time + (0.0 if has_restarted else 0.5 * STANDARD_GRAVITY * time**2)
-        if not abs(change) > allowed:  # also where no rate is known
+        speed = abs(last[2]) if math.isfinite(last[2]) else QUANTITIES["payout_rate"].largest
+        allowed = LEAST + speed * time + (0.0 if has_restarted else 0.5 * STANDARD_GRAVITY * time**2)
+        if not abs(change) > allowed:
             return 0.0
         self.jumps += 1
         cause = "its clock restarted" if has_restarted else f"no drum does so in {elapsed:.2f} s"

@@ -165,19 +165,19 @@ class Taker:
             taken.invalid.add(name)
             return
         value = self._factors[name] * raw + channel.offset
+        filtered = self._filters.get(name)
+        if filtered is None and self._is_implausible(name, raw, value):
+            taken.invalid.add(name)
+            return
         if channel.zero_at_start:
-            if name not in self.zeros and self._is_implausible(name, raw, value):
-                taken.invalid.add(name)
-                return
             value -= self.zeros.setdefault(name, value)
-        if name in self._filters:
-            filtered = self._filters[name]
+        if filtered is not None:
             value = (filtered.add_rate if channel.velocity else filtered.add)(taken.time, value)
             if not filtered.is_settled:
                 taken.status = MruStatus.SETTLING
-        if self._is_implausible(name, raw, value):
-            taken.invalid.add(name)
-            return
+            if self._is_implausible(name, raw, value):
+                taken.invalid.add(name)
+                return
         self.counters.unavailable.pop(name, None)
         taken.values[name] = value
 

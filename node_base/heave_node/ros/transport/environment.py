@@ -48,11 +48,7 @@ def prepare_environment() -> str:
         os.environ.setdefault(RANGE, "LOCALHOST")
         return f"the transport is configured by {foreign}: this suite does not bind it to loopback"
     is_open = is_open_to_network()
-    version = _fast_dds_version()
-    name = _names("network" if is_open else "loopback")[[*PROFILE_VARIABLE].index(version)]
-    os.environ[PROFILE_VARIABLE[version]] = str(resources.files("heave_node") / "fastdds_profiles" / name)
-    # A file in the current folder would be read as well, and go before this one.
-    os.environ["SKIP_DEFAULT_XML_FILE"] = "1"
+    _use_profile("network" if is_open else "loopback")
     if is_open:
         domain = os.environ.get("ROS_DOMAIN_ID", "0")
         return f"open to the network: any host of the subnet can join ROS domain {domain} and command the winch"
@@ -110,6 +106,14 @@ def _foreign_transport() -> str:
     if profile and Path(profile).name not in (*_names("loopback"), *_names("network")):
         return f"{variable}={profile}"
     return ""
+
+
+def _use_profile(reach: str) -> None:
+    version = _fast_dds_version()
+    profile = resources.files("heave_node") / "fastdds_profiles" / f"heave_{reach}_{version}.xml"
+    os.environ[PROFILE_VARIABLE[version]] = str(profile)
+    # A file in the current folder would be read as well, and go before this one.
+    os.environ["SKIP_DEFAULT_XML_FILE"] = "1"
 
 
 def _names(reach: str) -> list[str]:

@@ -135,10 +135,7 @@ def _wait_and_run(orders: int, parent: int, signals: set[int | signal.Signals]) 
         _take_streams(order["log"])
         os.environ.clear()
         os.environ.update(order["environment"])
-        libc: Any = ctypes.CDLL(None)
-        for name, setting in _MALLOPT.items():  # a new process reads them by itself
-            if hasattr(libc, "mallopt") and os.environ.get(name, "").isdecimal():
-                libc.mallopt(setting, int(os.environ[name]))
+        _take_allocator()
         _take_name(order["name"], command(order["module"], *order["arguments"]))
         exit_at_once(_run(order["module"], order["arguments"]))
     except BaseException:
@@ -183,6 +180,14 @@ def _take_streams(log: str) -> None:
         os.close(opened)
     os.dup2(1, 2)
     sys.stdout, sys.stderr = sys.__stdout__, sys.__stderr__  # the parent may have put others in their places
+
+
+def _take_allocator() -> None:
+    """Set glibc's allocator as the environment says; a new process reads that by itself."""
+    libc: Any = ctypes.CDLL(None)
+    for name, setting in _MALLOPT.items():
+        if hasattr(libc, "mallopt") and os.environ.get(name, "").isdecimal():
+            libc.mallopt(setting, int(os.environ[name]))
 
 
 def _take_name(name: str, words: Sequence[str]) -> None:

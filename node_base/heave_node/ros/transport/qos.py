@@ -117,6 +117,10 @@ def mismatches(node: Node, topic: str, names: Collection[str]) -> list[str]:
                 continue
             compatibility, reason = qos_check_compatible(publisher.qos_profile, reader.qos_profile)
             if compatibility == QoSCompatibility.ERROR:
-                phrases = [part.strip().removeprefix("ERROR: ").rstrip(".") for part in reason.split(";")]
-                found[words + "; ".join(filter(None, phrases))] = None
+                found[words + _plain(reason)] = None
     return list(found)
+
+
+def _plain(reason: str) -> str:
+    """Return a reason of the middleware as one short phrase."""
+    return "; ".join(part.strip().removeprefix("ERROR: ").rstrip(".") for part in reason.split(";") if part.strip())

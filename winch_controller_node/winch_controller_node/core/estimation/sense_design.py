@@ -197,7 +197,9 @@ def sense_design(
         "position_gain": winch.position_gain,
         "first_waves": seas.FIRST_WAVES,
         "refuted": seas.REFUTED,
-        "health": GATES | {name: getattr(parameters.health, name) for name in TOLERANCES},
+        "health": GATES
+        | {name: getattr(parameters.health, name) for name in TOLERANCES}
+        | {"standing_time": parameters.modes.settling_time},
         "steps": STEPS | {"shown_ticks": round(JUMP_SHOWN / dt), "travel_ticks": kept},
         "watches": WATCHES
         | {
