@@ -211,6 +211,7 @@ def _checked(name: str, path: Path, in_file: Values, settings: Iterable[Setting 
     in_file = {**in_file, WILDCARD: with_entries(in_file.get(WILDCARD, {}))}
     shared = _given(WILDCARD, in_file, changes)
     _check_shared_names(shared)
+    _check_shared_choices(shared)
     _refuse_overruled(changes, in_file)
     built: dict[str, NodeParameters] = {}
     quality_of_service: dict[str, dict[str, object]] = {}
@@ -276,6 +277,16 @@ def _check_shared_names(given: Mapping[str, Given]) -> None:
         if name not in known and not name.startswith(WANTED):
             _refuse_misplaced(WILDCARD, value)
             raise unknown_parameter(value, known)
+
+
+def _check_shared_choices(given: Mapping[str, Given]) -> None:
+    """Refuse a shared choice that only some of its nodes know, such as a measured spectrum, and name those."""
+    for name, value in given.items():
+        own = [(node, names[name]) for node in NODE_BY_NAME if name in (names := system_names(node, _names_of(node)))]
+        refused = {node: words for node, mine in own if (words := _unfit(node, replace(value, name=mine, reader=node)))}
+        if refused and len(refused) < len(own):
+            fit = [f"{node}.{mine}" for node, mine in own if node not in refused]
+            raise ParameterError(f"{next(iter(refused.values()))}; {meant(fit)}")
 
 
 def _check_own_names(given: Mapping[str, Given]) -> None:

@@ -130,6 +130,11 @@ def test_what_is_wrong_with_a_file_is_told_in_one_line(file, text, words) -> Non
         ("wave_vessel.peak_period=[1", "'[1' is not a YAML value"),
         ("wave_vessel.peak_perid=9", "there is no parameter peak_perid; did you mean peak_period?"),
         ("virtual_winch.law=off", "must be one of speed_servo, first_order; did you mean winch_controller.law?"),
+        (
+            "system.sea.spectrum=file",
+            "is not allowed for winch_controller: it must be one of bretschneider, pierson_moskowitz, jonswap, "
+            "ochi_hubble; did you mean wave_vessel.spectrum?",
+        ),
         ("virtual_winch.mru.noise=0.1", "there is no parameter mru.noise; did you mean wave_vessel.mru.noise?"),
         (
             "system.sea.peak_perid=9",

@@ -63,11 +63,7 @@ def add_bags(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--transient", type=float, metavar="S", help="initial time to exclude from the figures (default: the bag's)"
     )
-    parser.add_argument(
-        "--scenario",
-        metavar="SCENARIO",
-        help="scenario of the run, for bags that do not contain one",
-    )
+    parser.add_argument("--scenario", metavar="SCENARIO", help="scenario of the run, for bags that do not contain one")
 
 
 SAME_SEA = "the efficiency of law industrial in the same sea"

@@ -55,12 +55,7 @@ def execute(options: argparse.Namespace) -> None:
     output = _output(options.output, bags)
     if options.pdf:
         find_browser()
-    records = read_records(
-        bags,
-        scenario=options.scenario,
-        transient=options.transient,
-        baseline=options.baseline,
-    )
+    records = read_records(bags, scenario=options.scenario, transient=options.transient, baseline=options.baseline)
     verdicts = [judge(record, record.wanted, moves_winch=record.moves_winch) for record in records]
     save_report(records, output, verdicts)
     files = {"report": output.resolve()}

@@ -18,13 +18,7 @@ from heave_node.run_parameters import LOCKSTEP as IN_LOCKSTEP
 from heave_node.run_parameters import REALTIME
 from heave_node.scenario import WILDCARD
 
-from heave_bringup.commands.arguments import (
-    add_baseline,
-    add_full,
-    add_namespace,
-    add_network,
-    add_scenario,
-)
+from heave_bringup.commands.arguments import add_baseline, add_full, add_namespace, add_network, add_scenario
 from heave_bringup.errors import AnotherRunError, CommandError, VerdictError
 from heave_bringup.interrupts import raise_if_interrupted
 from heave_bringup.nodes import ADVISER, ENVELOPE, node_forks, nodes_to_start
