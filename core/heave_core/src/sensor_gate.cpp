@@ -24,7 +24,8 @@ bool stands(const Health &health, Sameness &same, const double *values, int coun
         const double longest = std::min(same.run, 2.0 * same.longest);
         same.longest = std::max(longest, same.longest * (1.0 - weight / 10.0));
         same.usual += weight * ((same.run - 1.0) / same.run - same.usual);
-        same.newest = same.run, same.run = 1.0;
+        same.newest = same.run;
+        same.run = 1.0;
         std::copy_n(values, count, same.values);
         return false;
     }
@@ -54,7 +55,10 @@ int fault_of(const Health &health, const Sensor &sensor, SensorGate &gate, doubl
 void accept(SensorGate &gate) {
     gate.bad_in_a_row = 0.0;
     gate.good_in_a_row += 1.0;
-    if (gate.level != SENSOR_OK && gate.good_in_a_row >= gate.good_needed) gate.level = SENSOR_OK, gate.reason = GOOD;
+    if (gate.level != SENSOR_OK && gate.good_in_a_row >= gate.good_needed) {
+        gate.level = SENSOR_OK;
+        gate.reason = GOOD;
+    }
 }
 
 }  // namespace
@@ -110,7 +114,10 @@ void take_back(const Health &health, SensorGate &gate, int reason, bool is_news)
     const double level = gate.level, before = gate.reason;
     gate.accepted -= 1.0;
     refuse(health, gate, reason);
-    if (!is_news) gate.level = level, gate.reason = before;
+    if (!is_news) {
+        gate.level = level;
+        gate.reason = before;
+    }
 }
 
 // Age above which the newest accepted reading is stale [s].
@@ -126,7 +133,9 @@ void tick_gate(const Health &health, const Sensor &sensor, SensorGate &gate, dou
     const double usual = health.stale_samples * gate.interval.value + health.rounding;
     const int reason = now - gate.newest_arrival <= usual ? DELAYED : STALE;
     if (gate.reason != reason) gate.delayed_since = now;
-    gate.level = SENSOR_LOST, gate.reason = reason, gate.silence = age;
+    gate.level = SENSOR_LOST;
+    gate.reason = reason;
+    gate.silence = age;
     gate.good_in_a_row = 0.0;
 }
 
