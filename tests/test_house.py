@@ -47,12 +47,12 @@ FOLDERS = {
 
 BUDGETS = {
     "core": (4_032, 2_800),
-    "node_base": (12_543, 9_500),
+    "node_base": (12_539, 9_500),
     "wave_vessel_node": (5_085, 4_400),
     "cable_sim_node": (9_083, 8_500),
     "winch_controller_node": (18_850, 14_000),
     "bags": (10_655, 7_700),
-    "bringup": (7_762, 6_100),
+    "bringup": (7_758, 6_100),
     "extras/devices": (7_480, 4_900),
     "extras/studies": (13_430, 6_000),
     "extras/statics": (3_205, 1_800),
