@@ -34,24 +34,9 @@ from winch_controller_node.node_parameters import WinchControllerParameters
 from heave_bringup.scenarios import Scenario
 
 COLUMNS = (
-    "time",
-    "boom_tip",
-    "unit",
-    "uncompensated",
-    "payout",
-    "payout_rate",
-    "payout_acceleration",
-    "top_tension",
-    "largest_top_tension",
-    "authority",
-    "depth_set_point",
-    "touchdown_force",
-    "unit_rate",
-    "uncompensated_tension",
-    "uncompensated_largest_tension",
-    "slack_segments",
-    "limits_hit",
-    "unit_tension",
+    *("time", "boom_tip", "unit", "uncompensated", "payout", "payout_rate", "payout_acceleration", "top_tension"),
+    *("largest_top_tension", "authority", "depth_set_point", "touchdown_force", "unit_rate"),
+    *("uncompensated_tension", "uncompensated_largest_tension", "slack_segments", "limits_hit", "unit_tension"),
 )
 
 
