@@ -99,6 +99,6 @@ def test_the_seven_packages_alone_run_record_judge_and_report(tmp_path):
             check=False,
         )
     assert run.returncode == 0, run.stderr
-    assert "verdict: none: only 8 s after the transient" in run.stdout
+    assert "no verdict: only 8 s after the transient" in run.stdout
     assert (tmp_path / "bag" / "metadata.yaml").is_file()
     assert (tmp_path / "report.html").is_file()

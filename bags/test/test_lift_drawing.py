@@ -77,4 +77,6 @@ def test_the_drawing_plays_and_the_slider_moves_it(record, tmp_path, width):
         )
         tab.get("document.getElementById('lift-play').click()")
         tab.wait("Number(document.getElementById('lift-time').value) > 14")
+        shown = tab.get("document.getElementById('lift-play').textContent")
+        assert shown == "\u2016", "the sign for pause is an emoji, which a machine without such a font shows as a box"
         assert tab.complaints == []

@@ -130,7 +130,7 @@ def test_a_run_whose_winch_or_load_no_command_moves_is_not_judged_but_held_to_wh
     verdict = judge(open_loop, missed, moves_winch=True, alarms=2)
     assert (verdict.is_good, verdict.state) == (True, NO_VERDICT)
     assert verdict.lines()[0] == (
-        f"verdict: none: open loop: the figures are those of the recorded {played}, which no command moved; "
+        f"no verdict: open loop: the figures are those of the recorded {played}, which no command moved; "
         "2 errors reported"
     )
     assert judge(open_loop, required=missed, moves_winch=True).state == FAILED

@@ -27,7 +27,7 @@ AT_WORK = Situation(
 
 def test_a_run_at_work_is_told_in_one_line():
     assert status_line(AT_WORK) == (
-        "running at t = 100.00 s (tick 2000), 1.0 x real time; mode compensating (law mpc, authority 1.00); "
+        "running at t = 100.00 s (tick 2000), 1.0 x real time; mode compensating (law mpc, gain 1.00); "
         "mean depth 904.20 m; payout 1.25 m at -0.300 m/s, brake off; "
         "load heave, standard deviation 0.31 cm over 60 s, as estimated; no alarm"
     )

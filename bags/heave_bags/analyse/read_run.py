@@ -115,7 +115,7 @@ def read_run(
         lost = f"; {bag.losses[0]}" if bag.losses else ""
         if lost and not bag.message_count:
             raise BagError(f"{bag.path}: nothing of a run in it can be read{lost}")
-        raise BagError(f"{bag.path}: it holds none of a run's topics; it holds {', '.join(bag.topics) or 'nothing'}{lost}")
+        raise BagError(f"{bag.path}: none of a run's topics in it; it holds {', '.join(bag.topics) or 'nothing'}{lost}")
     surveyed = list(bag.losses)
     room = ROOM + ROOM_PER_BYTE * bag.size
     columns = bag.columns(selection, longest=LONGEST_ARRAY, most_bytes=room, progress=progress)

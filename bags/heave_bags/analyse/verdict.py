@@ -163,8 +163,8 @@ class Verdict:
             head = f"verdict: {FAILED}"
         elif self.why_not_judged:
             judged = [*(["--require"] if self.criteria else []), *(["strength"] if self.loads else [])]
-            what = f"on {' and '.join(judged)} alone" if judged else NO_VERDICT
-            head = f"verdict: {what}: {self.why_not_judged}"
+            what = f"verdict on {' and '.join(judged)} only" if judged else "no verdict"
+            head = f"{what}: {self.why_not_judged}"
         elif self.state == PASSED:
             head = f"verdict: {PASSED}" + (f" for one sea, {self.sea}" if self.sea else "")
         else:

@@ -123,7 +123,7 @@ class DepthMove:
         if self._result.done():
             return self._words(self._result.result())
         if self._link.situation.is_over:
-            return refusal("the run ended before the move had arrived")
+            return refusal("the run ended before the move was complete")
         return None
 
     def _take_acceptance(self, waited: float) -> Answer | None:

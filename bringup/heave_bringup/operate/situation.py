@@ -152,7 +152,7 @@ def run_words(run: RunStatus | None) -> str:
 
 def mode_words(controller: ControllerStatus) -> str:
     """Say the mode of the `controller` and, where it is not simply at work, why."""
-    words = f"mode {controller.mode} (law {controller.law}, authority {controller.authority:.2f})"
+    words = f"mode {controller.mode} (law {controller.law}, gain {controller.authority:.2f})"
     return f"{words}: {controller.reason}" if controller.reason and controller.mode != "compensating" else words
 
 

@@ -39,12 +39,12 @@ def _residual(now: Situation) -> float:
     return now.controller.boom_tip_heave - (now.winch.payout - now.controller.mean_payout)
 
 
-HEAVE, UNIT, WINCH, TENSION = "heave [m]", "unit [cm]", "payout rate [m/s]", "tension [kN]"
+HEAVE, UNIT, WINCH, TENSION = "heave [m]", "load [cm]", "payout rate [m/s]", "tension [kN]"
 LINES: tuple[Line, ...] = (
     Line(HEAVE, "boom tip", _controller(lambda now: now.boom_tip_heave)),
-    Line(HEAVE, "unit, winch locked", _controller(lambda now: now.uncompensated_heave)),
-    Line(UNIT, "unit", _controller(lambda now: 100.0 * now.unit_heave)),
-    Line(UNIT, "residual at the boom tip", lambda now: 100.0 * _residual(now)),
+    Line(HEAVE, "load, winch locked", _controller(lambda now: now.uncompensated_heave)),
+    Line(UNIT, "load", _controller(lambda now: 100.0 * now.unit_heave)),
+    Line(UNIT, "rope at the boom tip", lambda now: 100.0 * _residual(now)),
     Line(WINCH, "payout rate", _winch(lambda now: now.rate)),
     Line(TENSION, "tension", lambda now: 1e-3 * now.tension),
 )

@@ -27,10 +27,10 @@ SILENCE = 0.8
 CHARTS = (HEAVE, UNIT, WINCH, TENSION)
 COLOURS = ("#56b4e9", "#e69f00")
 FIGURES = (
-    "unit, est. [cm]",
-    "unit std. dev., est. [cm]",
+    "load, est. [cm]",
+    "load std. dev., est. [cm]",
     "boom tip, est. [m]",
-    "residual [cm]",
+    "rope at boom tip, est. [cm]",
     "depth, est. [m]",
     "tension [kN]",
 )
@@ -164,15 +164,17 @@ class Page:
             self._build_buttons(command for command in COMMANDS if not command.is_of_simulation)
         with ui.element("section").classes("heave-box w-full"):
             ui.label("Simulation").classes("text-sm font-bold")
-            self._build_buttons(command for command in COMMANDS if command.is_of_simulation)
-            self._buttons.append(ui.button("inject", on_click=self._open_fault).props("dense no-caps color=secondary"))
+            with self._build_buttons(command for command in COMMANDS if command.is_of_simulation):
+                inject = ui.button("inject", on_click=self._open_fault)
+            self._buttons.append(inject.props("dense no-caps color=secondary"))
 
-    def _build_buttons(self, commands: Iterable[Command]) -> None:
-        with ui.element("div").classes("grid grid-cols-3 gap-2 mt-2 w-full"):
+    def _build_buttons(self, commands: Iterable[Command]) -> ui.element:
+        with ui.element("div").classes("grid grid-cols-3 gap-2 mt-2 w-full") as grid:
             for command in commands:
                 colour = {"stop": "warning"}.get(command.name, "secondary" if command.is_of_simulation else "primary")
                 button = ui.button(command.name, on_click=partial(self._open, command))
                 self._buttons.append(button.props(f"dense no-caps color={colour}"))
+        return grid
 
     def _build_alarms(self) -> None:
         with ui.element("section").classes("heave-box w-full"):
@@ -321,10 +323,10 @@ class Page:
         for name, value, digits in zip(
             FIGURES,
             (
-                newest["unit"],
+                newest["load"],
                 100.0 * sigma,
                 newest["boom tip"],
-                newest["residual at the boom tip"],
+                newest["rope at the boom tip"],
                 situation.depth,
                 newest["tension"],
             ),
@@ -387,7 +389,7 @@ class Page:
             with ui.column().classes("grow gap-0 min-w-0 text-sm"):
                 style = "heave-bad" if alarm.severity >= Severity.HIGH else "heave-warn"
                 weight = "" if alarm.is_acknowledged else "font-bold"
-                past = "" if alarm.is_active else " (over)"
+                past = "" if alarm.is_active else " (ended)"
                 when = f"{'before ' * alarm.is_older}{alarm.since:.1f} s"
                 head = f"{alarm.severity.word.upper()} {when}: {alarm.title}{past}"
                 ui.label(head).classes(f"{style} {weight}")

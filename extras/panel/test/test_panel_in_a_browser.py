@@ -64,7 +64,7 @@ def test_two_viewers_operate_a_run_in_turns_and_a_dead_panel_is_seen_at_once_and
         first.click("compensate")
         first.wait_for("Sure?")
         first.click("yes, do it")
-        first.wait_for("mode compensating (law mpc, authority 1.00)", 120.0)
+        first.wait_for("mode compensating (law mpc, gain 1.00)", 120.0)
         first.click("move by")
         first.write("0.5")
         first.click("yes, do it")
@@ -79,11 +79,11 @@ def test_two_viewers_operate_a_run_in_turns_and_a_dead_panel_is_seen_at_once_and
         first.wait_for("MRU FROZEN", 60.0)
         first.wait_for("Action: Restart the sensor")
         first.click("clear faults")
-        first.wait_for("(over)", 60.0)
-        while "MRU FROZEN (over)" in first.text:  # other alarms stand beside it on a busy machine
+        first.wait_for("(ended)", 60.0)
+        while "MRU FROZEN (ended)" in first.text:  # other alarms stand beside it on a busy machine
             first.click("acknowledge")
             time.sleep(0.5)
-        first.wait("!document.body.innerText.includes('MRU FROZEN (over)')")
+        first.wait("!document.body.innerText.includes('MRU FROZEN (ended)')")
 
         second.click("take command")
         second.wait_for("Viewer 1 is in command. Take it over?")

@@ -55,7 +55,7 @@
   function toggle() {
     playing = !playing;
     if (playing && at >= last) at = 0;
-    play.textContent = playing ? "\u23F8" : "\u25B6";
+    play.textContent = playing ? "\u2016" : "\u25B6";
     play.setAttribute("aria-label", playing ? "Pause" : "Play");
     if (playing) { before = performance.now(); requestAnimationFrame(step); }
   }
