@@ -75,6 +75,13 @@ class DrumRecord:
             left[:, first:end] -= left[:, first:end].mean(axis=1, keepdims=True)
         return np.asarray(left)
 
+    def without_drift(self, left: Array, onset: int) -> Array:
+        """Return what is `left` of the readings that are there, (seen,), less a drift at a constant speed from `onset`."""
+        ramp = np.maximum(np.flatnonzero(self.seen) - onset, 0).astype(float)
+        for first, end in self._stretches:
+            ramp[first:end] -= ramp[first:end].mean()
+        return np.asarray(left - (ramp @ left) / (ramp @ ramp) * ramp)
+
     def until(self, place: int) -> DrumRecord:
         """Return its beginning, without the readings from a `place` on."""
         left = len(self.readings) - place

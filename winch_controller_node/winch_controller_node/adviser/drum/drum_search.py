@@ -85,7 +85,11 @@ def identify(record: DrumRecord, prior: DrumPrior, assumed: Array) -> DrumFit:
     best = min([best, *(fit_drum(record, prior, other, best.free) for other in others)], key=lambda fit: fit.loss)
     held_limits = {index for index in LIMITS if assumed[index] < prior.nominal[index]}
     onsets = _sudden(record, prior, assumed) if best.residual > UNEXPLAINED else []
-    best, freed = _with_groups(prior, best, others, onsets, held_limits)
+    begun_with = best
+    best, freed = _with_groups(prior, begun_with, others, onsets, held_limits)
+    if (FACTOR,) in freed and _loss_with_drift(record, prior, assumed, onsets) < best.loss:
+        # the drum has begun to creep, and its encoder is right: the next records say by how much
+        best, freed = _with_groups(prior, begun_with, others, [], held_limits)
     return _without_held(prior, _without_passengers(prior, best, freed, assumed), held_limits)
 
 
@@ -206,6 +210,16 @@ def _with_factor(prior: DrumPrior, best: DrumFit, onsets: Sequence[int]) -> Drum
                 near = fit_drum(replace(record, onset=onset), prior, best.theta, best.free)
                 best = near if near.loss < best.loss else best
     return best
+
+
+def _loss_with_drift(record: DrumRecord, prior: DrumPrior, assumed: Array, onsets: Sequence[int]) -> float:
+    """Return the loss of the `assumed` drum whose count drifts from near one of the `onsets` on, the best [nats]."""
+    before = record.until(min(onsets))
+    fit = fit_drum(before, prior, begun(before, assumed), ())
+    left = record.residuals(fit.theta[None, :])[0]
+    near = range(min(onsets), len(record.readings) - 2)
+    squares = min(float(np.sum(np.square(record.without_drift(left, onset)))) for onset in near)
+    return replace(fit, squares=squares, count=len(left), record=record).loss
 
 
 def shown_limits(record: DrumRecord) -> dict[int, float]:
