@@ -19,7 +19,7 @@ NEAR = 1.02
 """Times the bounds of the envelope that count as within: the MRU by which it goes has noise, the boom tip here none."""
 
 LARGEST_UNIT = 1.3
-"""Largest motion of the unit over that of the locked one; after a stop that an operator asked for, over what that leaves."""
+"""Largest motion of the unit over that of the locked one; after a requested emergency stop, over what that leaves."""
 
 
 @dataclass(frozen=True)
