@@ -166,9 +166,10 @@ class EncoderGate(Part, EncoderView):
         travel = expected_rate * float(self.design["tick_period"][0])
         part("pass_tick")(self.design["steps"], self.memory["encoder"], now, travel)
 
-    def judge(self, now, reading, expected_rate, *, is_driven=True):
+    def judge(self, now, reading, expected_rate, *, sent_rate=None, is_driven=True):
         """Return the payout without jumps [m]; None: it may not be used."""
-        judge, given = part("judge_encoder", result=NUMBER), (now, *reading, expected_rate, is_driven)
+        sent_rate = expected_rate if sent_rate is None else sent_rate
+        judge, given = part("judge_encoder", result=NUMBER), (now, *reading, expected_rate, sent_rate, is_driven)
         found = judge(self.design, self.gate_at[2], self.memory["encoder"], *given)
         return None if math.isnan(found) else found
 

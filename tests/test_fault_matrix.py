@@ -2,7 +2,7 @@
 
 import json
 import math
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from functools import partial
 from types import SimpleNamespace
 
@@ -251,6 +251,27 @@ def test_what_all_cases_came_to_is_held_against_the_bars():
     assert len(broken(ran)) == 4
     assert [found for _, found in worst(ran)] == [bad, failed]
     assert outcome_of(json.loads(json.dumps(asdict(bad)))) == bad
+
+
+def test_the_swing_that_a_requested_emergency_stop_leaves_is_no_faults():
+    unit = next(bar for bar in BARS if bar.name.startswith("unit"))
+    assert unit.holds(Outcome(unit=2.0, stopped=1.9))
+    assert not unit.holds(Outcome(unit=2.0))
+    assert not unit.holds(Outcome(unit=2.0, stopped=1.5))
+    assert unit.holds(Outcome(unit=1.2, stopped=0.5))
+
+
+def test_a_creep_shows_once_it_has_carried_the_drum_away_from_where_it_was_to_be():
+    (one,) = [one for one in map(partial(cell, 1), range(122)) if one.fault.name == "winch creep"][:1]
+    record = LoopRecord(np.ones((TIME.size, len(COLUMNS))), ["compensating"] * TIME.size)
+    columns = {"time": TIME, "boom_tip": np.sin(OMEGA * TIME), "payout": 0.0 * TIME, "payout_rate": 0.0 * TIME}
+    for name, values in columns.items():
+        record.rows[:, COLUMNS.index(name)] = values
+    seen = [
+        judged(replace(one, fault=Fault("winch creep", 0.05, lasting)), record, TIME < 0.0, 0.0 * TIME, Asked(), BEGIN)
+        for lasting in (1.9, 2.2)
+    ]
+    assert [found.is_visible for found in seen] == [False, True]
 
 
 def test_results_make_the_page_and_those_of_the_same_commit_and_seed_are_replaced(tmp_path):

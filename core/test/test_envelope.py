@@ -339,6 +339,20 @@ def test_a_load_that_swings_as_compensation_begins_may_be_stopped():
     assert later.rate_bound == pytest.approx(locked.rate_bound + lead * frequency * math.exp(-62.0 / 60.0), rel=0.05)
 
 
+@pytest.mark.parametrize("lost", [{}, {"mru_heave": math.nan, "mru_rate": math.nan}])
+@pytest.mark.parametrize("has_load", [True, False])
+def test_a_swing_that_a_fade_out_has_left_may_be_stopped_by_what_the_load_cell_shows_of_it(lost, has_load):
+    """Without a load cell the bounds are those of an empty window."""
+    rig, swing = Rig().settled(), 0.3
+    plain = rig.orders[-1].rate_bound - BOUNDS["rate_margin"]
+    for tick in range(round(30.0 / DT)):
+        load = CABLE["static_tension"] + CABLE["stiffness"] * swing * math.sin(0.9 * tick * DT)
+        rig.step(0.0, duty=float(Duty.FADE), load=load if has_load else math.nan, **lost)
+    begins = rig.step(load=CABLE["static_tension"] if has_load else math.nan)
+    more = swing / math.sqrt(2.0) if has_load else (BOUNDS["early_factor"] - 1.0) * plain
+    assert begins.rate_bound - BOUNDS["rate_margin"] == pytest.approx(plain + more, rel=0.06)
+
+
 def test_what_was_taken_over_stays_until_an_operator_acknowledges():
     rig = Rig().settled()
     rig.run(35.0, math.nan)
@@ -756,6 +770,20 @@ def test_orders_that_hit_a_limit_of_the_drive_do_not_widen_their_own_bounds():
     order = rig.run(0.4, 2.0, drive=DriveState.DRIVE_LIMITED)
     assert order.rate_bound == pytest.approx(bound, rel=0.05)
     assert rig.run(0.4, 2.0, drive=DriveState.DRIVE_LIMITED).cause == Cause.RATE
+
+
+def test_a_drive_at_its_limit_may_be_sent_further_and_goes_no_further_than_another():
+    """What trails is the drum: its count stays within the bound, what was sent alone may be beyond it."""
+    rig = Rig(bounds={"rate_factor": 10.0}).settled()
+    bound = rig.orders[-1].travel_bound
+    for _ in range(round(1.5 / DT)):
+        rig.step(1.2, drive=DriveState.DRIVE_LIMITED)
+    assert max(order.travel_count for order in rig.orders[-30:]) < 1.05 * bound
+    assert rig.orders[-1].cause in (Cause.NOTHING, Cause.TRAVEL)
+    trails = Rig(bounds={"rate_factor": 10.0}).settled()
+    stands = trails.payout
+    orders = [trails.step(1.2, count=stands, drive=DriveState.DRIVE_LIMITED) for _ in range(round(0.3 / DT))]
+    assert all(order.rate == 1.2 for order in orders)
 
 
 @pytest.mark.parametrize("winch", [{}, {"gain": 0.8, "hauling_gain": 1.1, "creep": 0.02}, {"lag": 0.45}])

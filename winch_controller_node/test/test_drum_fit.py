@@ -174,6 +174,16 @@ def test_an_encoder_that_changes_its_factor_is_known_with_its_onset(factor, befo
     assert not set(found.free) & set(LIMITS)
 
 
+@pytest.mark.parametrize("before_end", [1.6, 3.0, 8.0])
+@pytest.mark.parametrize(("creep", "size"), [(-0.03, 0.1), (0.06, 0.1), (0.1, 0.6)])
+def test_a_drum_that_begins_to_creep_is_no_other_scale_of_its_encoder(creep, size, before_end):
+    rates = waves(30.0, size)
+    readings, _ = driven(WinchParameters(), rates)
+    crept = creep * np.maximum(DT * np.arange(len(rates)) - (30.0 - before_end), 0.0)
+    record = recorded(rates, 1e-3 * np.round(1e3 * (readings + crept)))
+    assert FACTOR not in identify(record, PRIOR, NOMINAL).free
+
+
 @pytest.mark.parametrize("before_end", [1.5, 3.0, 6.0, 11.0])
 @pytest.mark.parametrize("factor", [-1.0, 0.0, 0.2, 3.0])
 def test_an_encoder_that_is_reversed_still_or_of_another_kind_of_scale_is_no_scale_to_correct(

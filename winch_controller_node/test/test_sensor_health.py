@@ -265,6 +265,14 @@ def test_a_drum_that_turns_unseen_is_a_frozen_encoder():
     assert gate.gate.reason == "frozen"
 
 
+def test_a_count_that_freezes_while_the_drum_is_driven_slowly_is_found_though_the_estimate_comes_to_rest_with_it():
+    gate, rate = EncoderGate(SensorTiming(DT, DT), HealthParameters(), tick_period=DT), 0.076
+    for tick in range(1, 20):
+        estimated = rate * math.exp(-tick * DT / 0.1)  # it goes by the count
+        gate.judge(tick * DT, (tick * DT, 0.5), estimated, sent_rate=rate)
+    assert gate.gate.reason == "frozen"
+
+
 def test_an_encoder_with_play_in_its_gear_is_not_frozen_where_the_drum_turns_round():
     """A play of 1 cm, and a drum that is assumed a quarter faster and to answer 0.1 s sooner than it does."""
     gate, reading, play = EncoderGate(SensorTiming(DT, DT), HealthParameters(), tick_period=DT), 0.0, 0.005

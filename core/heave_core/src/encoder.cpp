@@ -49,8 +49,9 @@ bool watch_still(const SenseDesign &design, EncoderGate &encoder, double step, d
 }
 
 // Look for jumps and for a drum that turns unseen. What goes on as before does not jump: whether the drum does so is known
-// by what the winch was sent.
-int status_of(const SenseDesign &design, EncoderGate &encoder, double time, double value, double rate, bool is_driven) {
+// by what the winch was sent. The estimate of its rate goes by the count, and comes to rest with one that is frozen.
+int status_of(const SenseDesign &design, EncoderGate &encoder, double time, double value, double rate, double sent_rate,
+              bool is_driven) {
     const bool can_be = std::isfinite(value) && is_in_range(design.sensors[design.encoder], &value, 1);
     if (!can_be || !std::isfinite(time)) return GOOD;
     const double last_time = encoder.time, last = encoder.value;
@@ -70,7 +71,7 @@ int status_of(const SenseDesign &design, EncoderGate &encoder, double time, doub
         expected = travel_until(design.steps, encoder, time) - travel_until(design.steps, encoder, last_time);
         tolerance *= ticks;
     }
-    const bool is_frozen = watch_still(design, encoder, step, way, is_driven);
+    const bool is_frozen = watch_still(design, encoder, step, sent_rate * elapsed, is_driven);
     const double error = step - expected, before = encoder.speed;
     encoder.speed = step / elapsed;
     const bool is_other = is_thawing || std::abs(step - before * elapsed) > tolerance;
@@ -102,9 +103,9 @@ void pass_tick(const StepLimits &limits, EncoderGate &encoder, double now, doubl
 
 // The payout that a reading says, jumps taken off; NaN where it may not be used.
 double judge_encoder(const SenseDesign &design, SensorGate &gate, EncoderGate &encoder, double now, double time,
-                     double reading, double expected_rate, bool is_driven) {
+                     double reading, double expected_rate, double sent_rate, bool is_driven) {
     const double value = reading / encoder.scale;
-    const int status = status_of(design, encoder, time, value, expected_rate, is_driven);
+    const int status = status_of(design, encoder, time, value, expected_rate, sent_rate, is_driven);
     if (!judge(design.health, design.sensors[design.encoder], gate, now, time, &value, 1, status)) {
         if (status == JUMP) {
             encoder.jumped_at = now;

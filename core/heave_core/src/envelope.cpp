@@ -10,6 +10,10 @@
 
 namespace heave {
 
+bool has_load(const Design &design, const State &state) {
+    return state.load_age <= design.envelope.mru_time && design.cable.stiffness > 0.0;
+}
+
 namespace {
 
 struct Limits {
@@ -31,14 +35,15 @@ Limits limits_of(const Design &design, const State &state, const Readings &readi
     const Bounds &bounds = design.envelope;
     const bool has_count = state.count_age <= bounds.count_time, has_mru = state.mru_age <= bounds.mru_time;
     const double early = 1.0 + (bounds.early_factor - 1.0) * (1.0 - ship.filling);
-    const double trails = 1.0 + (bounds.early_factor - 1.0) * state.limited;  // a drive that was at its limit
+    // a drive that was at its limit trails behind what was sent; its count goes no further than that of another one
+    const double trails = 1.0 + (bounds.early_factor - 1.0) * state.limited;
     const double lost = has_count && has_mru ? 1.0 : bounds.lost_factor;
     const double swing = state.lead / std::sqrt(std::max(design.cable.inertia, 1.0));  // at the load's own frequency
     const double rate = used * (share * (bounds.rate_factor * (early * lost) * ship.rate + swing) + bounds.rate_margin);
-    const double way = bounds.travel_factor * (std::max(early, trails) * lost) * ship.heave;
-    const double travel = used * (way + bounds.travel_margin + state.allowance + state.lead);
+    const double way = bounds.travel_factor * lost * ship.heave, more = bounds.travel_margin + state.allowance + state.lead;
+    const double travel = used * (way * early + more), sent = used * (way * std::max(early, trails) + more);
     const double lag = design.winch.delay + design.winch.lag, now = state.drum.rate - move;
-    double out = (travel - state.travel_sent) / lag, in = (travel + state.travel_sent) / lag;
+    double out = (sent - state.travel_sent) / lag, in = (sent + state.travel_sent) / lag;
     if (has_count) {
         out = std::min(out, (travel - state.travel_count) / lag);
         in = std::min(in, (travel + state.travel_count) / lag);
@@ -146,10 +151,6 @@ double ramp(const Design &design, State &state) {
     state.ramp = begins ? fastest : std::max(state.ramp - design.envelope.stop_deceleration * dt, 0.0);
     state.rest_time = begins || state.ramp > 0.0 ? 0.0 : state.rest_time + dt;
     return state.ramp;
-}
-
-bool has_load(const Design &design, const State &state) {
-    return state.load_age <= design.envelope.mru_time && design.cable.stiffness > 0.0;
 }
 
 struct Asked {

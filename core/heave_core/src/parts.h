@@ -53,6 +53,7 @@ struct Ship {
 };
 void observe_mru(const Design &design, State &state, const Readings &readings);
 Ship ship_of(const Design &design, const State &state);
+bool has_load(const Design &design, const State &state);
 double drift_limit(const Bounds &bounds, const State &state);
 void watch_depth(const Design &design, State &state, const Readings &readings);
 void confirm_count(State &state);

@@ -51,6 +51,23 @@ void take_mru(const Core &core, double number, const Delivered &reading, Found &
     turning.lever_y = rolled / elapsed;
 }
 
+// Rates of the drum [m/s]: as estimated, which goes by its count, and by what was sent alone, where only the mean payout moves.
+struct DrumRate {
+    double expected, sent;
+};
+
+DrumRate drum_rate(const Core &core, const LookAt &given) {
+    const LookDesign &rows = core.look;
+    const double *mean = core.motion.state, *x = core.filter_state.x;
+    DrumRate rate{rows.through * (given.compensating + given.mean), rows.through * given.mean};
+    for (int j = 0; j < rows.order; j++) {
+        rate.expected += rows.payout_rate[j] * (x[j] + mean[j]);
+        rate.sent += rows.payout_rate[j] * mean[j];
+    }
+    if (given.compensating != 0.0) rate.sent = rate.expected;
+    return rate;
+}
+
 // Whether the drum should go as it is ordered: a winch that holds it does not, for as long as its brake takes to open.
 bool should_turn(const SenseDesign &design, const LookAt &given, EncoderGate &encoder) {
     const double ordered = std::abs(given.compensating + given.mean);
@@ -59,14 +76,14 @@ bool should_turn(const SenseDesign &design, const LookAt &given, EncoderGate &en
     return given.is_driven != 0.0 || encoder.held > design.steps.release_time;
 }
 
-void take_encoder(const Core &core, const LookAt &given, double now, double rate, Found &found, Tick &tick) {
+void take_encoder(const Core &core, const LookAt &given, double now, const DrumRate &rate, Found &found, Tick &tick) {
     const SenseDesign &design = core.design;
     EncoderGate &encoder = core.state.encoder;
-    pass_tick(design.steps, encoder, now, rate * design.tick_period);
+    pass_tick(design.steps, encoder, now, rate.expected * design.tick_period);
     tick.encoder_payout = tick.counted = NOT_KNOWN;
     if (given.has_winch == 0.0) return;
     const double payout = judge_encoder(design, core.state.gates[design.encoder], encoder, now, given.winch_time, given.encoder,
-                                        rate, should_turn(design, given, encoder));
+                                        rate.expected, rate.sent, should_turn(design, given, encoder));
     tick.encoder_payout = payout;
     if (!std::isfinite(given.winch_time)) return;
     const Stamp stamp = stamp_of(design, given.winch_time);
@@ -113,8 +130,8 @@ void take_scalar(const Core &core, const LookAt &given, double now, const Delive
 }
 
 // The gates: what was delivered becomes what is observed.
-void observe(const Core &core, const LookAt &given, const Delivered *delivered, double rate, const Room &room, Found &found,
-             Tick &tick) {
+void observe(const Core &core, const LookAt &given, const Delivered *delivered, const DrumRate &rate, const Room &room,
+             Found &found, Tick &tick) {
     const SenseDesign &design = core.design;
     const double now = given.number * design.tick_period;
     const int count = int(given.readings);
@@ -283,11 +300,8 @@ double mean_command(const SenseDesign &design, const MeanMotion &motion) {
 }
 
 void look_at(const Core &core, const LookAt &given, const Delivered *delivered, const Room &room, Tick &tick) {
-    const LookDesign &rows = core.look;
-    const double *mean = core.motion.state, *x = core.filter_state.x;
-    remember_share(core.state, given.number, mean, rows.order);
-    double rate = rows.through * (given.compensating + given.mean);
-    for (int j = 0; j < rows.order; j++) rate += rows.payout_rate[j] * (x[j] + mean[j]);
+    remember_share(core.state, given.number, core.motion.state, core.look.order);
+    const DrumRate rate = drum_rate(core, given);
     tick.number = given.number;
     tick.compensating = given.compensating;
     tick.mean = given.mean;

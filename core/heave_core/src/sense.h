@@ -38,7 +38,7 @@ double take_off(const StepLimits &limits, DepthJumps &jumps, double time, double
 void begin_encoder(EncoderGate &encoder);
 void pass_tick(const StepLimits &limits, EncoderGate &encoder, double now, double way);
 double judge_encoder(const SenseDesign &design, SensorGate &gate, EncoderGate &encoder, double now, double time,
-                     double reading, double expected_rate, bool is_driven);
+                     double reading, double expected_rate, double sent_rate, bool is_driven);
 void rescale(EncoderGate &encoder, double factor, double payout);
 void trust(EncoderGate &encoder);
 

@@ -26,7 +26,7 @@ void fill_window(const Design &design, State &state) {
 // A reading is good where it is plausible, and goes with the one before: a jump of the heave is taken off.
 void observe_mru(const Design &design, State &state, const Readings &readings) {
     const Bounds &bounds = design.envelope;
-    state.seen_time = state.mru_age > bounds.mru_time ? 0.0 : state.seen_time + design.tick_period;
+    state.seen_time = state.mru_age > bounds.mru_time && !has_load(design, state) ? 0.0 : state.seen_time + design.tick_period;
     state.mru_age += design.tick_period;
     state.read_age += design.tick_period;
     const double heave = readings.mru_heave;
@@ -69,7 +69,7 @@ Ship ship_of(const Design &design, const State &state) {
     if (readings == 0.0) return {0.0, 0.0, 0.0};
     const double mean = sum / readings;
     const double whole = design.envelope.window * (BINS - 1) / BINS;  // a bin is being filled
-    // a unit that was let go, by a stop or while the ship was not seen, is caught up with: the bounds are wide again
+    // a unit that was let go, by a stop or without a load cell while the ship was not seen, is caught up with
     const double seen = state.mru_age > design.envelope.mru_time ? time : std::min(time, state.seen_time);
     return {rate, std::max(highest - mean, mean - lowest), std::min(seen / whole, 1.0)};
 }
@@ -170,11 +170,12 @@ int observe_count(const Design &design, State &state, const Readings &readings, 
     const Bounds &bounds = design.envelope;
     const double dt = design.tick_period;
     const bool is_held = travelled.is_braked || readings.drive != DRIVE_FREE, rests = is_held && state.drum.rate == 0.0;
-    // a unit that is let go by a stop swings, and what takes that out is more than the ship does: as after a lost MRU
-    // (a limit of the drive lets nothing go: orders that hit it must not widen their own bounds)
+    // a unit that is let go by a stop swings, and what takes that out is more than the ship does (a limit of the drive lets
+    // nothing go: orders that hit it must not widen their own bounds); how far a fade-out has left it swinging, the load
+    // cell shows
     const bool lets_go = travelled.is_braked || readings.drive == DRIVE_RESTS || int(readings.duty) == STOP;
     const bool begins = lets_unit_swing(Duty(int(state.duty)), Duty(int(readings.duty)));
-    if ((lets_go && state.drum.rate != 0.0) || begins) state.seen_time = 0.0;
+    if ((lets_go && state.drum.rate != 0.0) || (begins && !has_load(design, state))) state.seen_time = 0.0;
     // what swings under a locked winch as following begins is stopped by more than the ship does
     if (int(readings.duty) == FOLLOW && int(state.duty) != FOLLOW)
         state.lead = std::max(state.lead, swing_of(design.cable, state));

@@ -58,7 +58,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     wanted = [cell(options.seed, index, options.branches) for index in range(options.cases)]
     wanted = [one for one in wanted if options.only is None or options.only in (one.fault.name, one.base.moment)]
     how = {name: getattr(options, name) for name in ("seed", "branches", "after")}
-    journal = FOLDER / f"{'-'.join(f'{value:g}' for value in how.values())}-{sources_digest()}.jsonl"
+    journal = FOLDER / f"{'-'.join(f'{value:.10g}' for value in how.values())}-{sources_digest()}.jsonl"
     known = read_journal(journal)
     try:
         with journal.open("a", encoding="utf-8") as file:

@@ -9,9 +9,9 @@ from dataclasses import dataclass
 from heave_node.interface.fault_kinds import faults_of
 from heave_studies.promise.deviation import Chance
 
-ALWAYS, MOVING, FASTER, RESTING, NEVER = "always", "moving", "faster", "resting", "never"
+ALWAYS, MOVING, FASTER, CREEPING, RESTING, NEVER = "always", "moving", "faster", "creeping", "resting", "never"
 """When a fault shows: at once; once the drum has moved, or was to move; once it was to move faster than it still can;
-once the brake holds; not from inside."""
+once it has crept away; once the brake holds; not from inside."""
 
 Drawing = Callable[[Chance], float]
 
@@ -88,7 +88,7 @@ _WINCH: dict[str, tuple[str, Drawing]] = {
     "brake_slip": (RESTING, spread(0.02, 0.2)),
     "brake_open": (RESTING, spread(0.02, 0.2)),
     "brake_shut": (MOVING, nothing),
-    "creep": (MOVING, spread(0.02, 0.1)),
+    "creep": (CREEPING, spread(0.02, 0.1)),
     "low_pressure": (FASTER, spread(0.02, 0.2)),
 }
 

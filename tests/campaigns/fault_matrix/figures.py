@@ -19,7 +19,7 @@ NEAR = 1.02
 """Times the bounds of the envelope that count as within: the MRU by which it goes has noise, the boom tip here none."""
 
 LARGEST_UNIT = 1.3
-"""Largest motion of the unit over that of the locked one."""
+"""Largest motion of the unit over that of the locked one; after a requested emergency stop, over what that leaves."""
 
 
 @dataclass(frozen=True)
@@ -38,7 +38,7 @@ BARS = (
     Bar(
         f"unit at most {LARGEST_UNIT:g} times the locked one",
         lambda one: math.isfinite(one.unit),
-        lambda one: one.unit <= LARGEST_UNIT,
+        lambda one: one.unit <= LARGEST_UNIT * max(1.0, one.stopped),
         0.99,
     ),
     Bar(
@@ -74,7 +74,7 @@ def breaches(found: Outcome) -> list[str]:
 
 def badness(found: Outcome) -> float:
     """Return by how much a case is beyond the bars of drum and unit; a name that is missing or false counts little."""
-    unit = found.unit / LARGEST_UNIT if math.isfinite(found.unit) else 0.0
+    unit = found.unit / (LARGEST_UNIT * max(1.0, found.stopped)) if math.isfinite(found.unit) else 0.0
     names = 0.5 * (found.is_visible is True and math.isinf(found.named)) + 0.3 * bool(found.wrong)
     return max(found.envelope, found.travel, unit) + 0.01 * names if not found.failure else 0.0
 

@@ -230,9 +230,13 @@ def unit_ratio(time: Array, unit: Array, off: Array, begin: float) -> float:
 
 
 def path_of(time: Array, rate: Array, ordered: Array, begin: float, end: float) -> float:
-    """Return the way that the drum made, or was to make, from `begin` to `end` [s], the larger one [m]."""
+    """Return how far apart the places are that the drum was at, or was to be at, from `begin` to `end` [s] [m].
+
+    The larger of the two; a drum that goes to and fro by less is not far from any place by which a fault could show.
+    """
     during = (time >= begin) & (time <= end)
-    return float(max(np.sum(np.abs(rate[during])), np.sum(np.abs(ordered[during])))) * _period(time)
+    ways = [np.concatenate([[0.0], np.cumsum(one[during])]) for one in (rate, ordered)]
+    return max(float(np.ptp(way)) for way in ways) * _period(time)
 
 
 def asked_more(ordered: Array, rate: float, time: Array, begin: float, end: float) -> bool:

@@ -35,6 +35,7 @@ values as assumed or with one that differs. Generated from `docs/fault_matrix.js
 | envelope | drum speed up to 1.5 times the boom tip's in a minute + 0.25 m/s, travel 1.5 times its heave + 0.3 m |
 | travel | drum travel from fault to rest, beyond the requested move: at most the heave of the last minute + 0.3 m |
 | unit | load motion from 10 s after the fault on: at most 1.3 times that with the winch locked |
+| unit, `emergency_stop` | at most 1.3 times what the same stop leaves without a fault, where that is more |
 | named | an alarm names the faulty part (of faults that have an effect) |
 | not blamed | no alarm names a healthy part |
 | alarm, rest | time from the fault: median, largest |
@@ -65,6 +66,7 @@ def row_of(one: Cell, found: Outcome) -> list[Any]:
         list(found.alarms[:6]),
         words,
         found.failure,
+        _number(found.stopped),
     ]
 
 
@@ -80,7 +82,8 @@ def shown_of(row: Sequence[Any]) -> tuple[Shown, Outcome]:
     numbers: dict[str, Any] = {
         name: float("nan" if value is None else value) for name, value in zip(NUMBERS, row[len(GROUPS) :], strict=False)
     }
-    visible, wrong, alarms, words, failure = row[len(GROUPS) + len(NUMBERS) :]
+    visible, wrong, alarms, words, failure, *stopped = row[len(GROUPS) + len(NUMBERS) :]
+    numbers["stopped"] = float(stopped[0]) if stopped and stopped[0] is not None else math.nan
     found = Outcome(**numbers, is_visible=visible, wrong=tuple(wrong), alarms=tuple(alarms), failure=failure)
     return Shown(names, words), found
 
@@ -92,7 +95,8 @@ def add(path: Path, heading: Mapping[str, Any], ran: Sequence[Ran]) -> None:
     how = " ".join(f"--{name} {heading[name]:.10g}" for name in ("seed", "branches", "after"))
     command = f"python -m tests.campaigns.fault_matrix --cases {len(ran)} {how}"
     rows = [row_of(*one) for one in ran]
-    new = {**key, "command": command, "columns": [*GROUPS, *NUMBERS, "shows", "blamed", "alarms", "case", "failure"]}
+    columns = [*GROUPS, *NUMBERS, "shows", "blamed", "alarms", "case", "failure", "stopped"]
+    new = {**key, "command": command, "columns": columns}
     kept_ones = [one for one in others if {name: one[name] for name in key} != key]
     lines = [
         json.dumps(one | {"rows": 0}).replace(

@@ -18,7 +18,7 @@ from heave_studies.promise.deviation import Chance
 from heave_studies.promise.run import DRUM, ENCODER, heave_of
 
 from tests.campaigns.fault_matrix.cases import Cell
-from tests.campaigns.fault_matrix.faults import ALWAYS, FASTER, MOVING, RESTING
+from tests.campaigns.fault_matrix.faults import ALWAYS, CREEPING, FASTER, MOVING, RESTING
 from tests.campaigns.fault_matrix.judge import (
     HELD,
     SHOWN,
@@ -62,6 +62,8 @@ class Outcome:
     modes: tuple[str, ...] = ()  # that were taken after the fault
     false_words: tuple[str, ...] = ()  # alarms whose consequence the modes of the next second belie
     failure: str = ""  # why the case could not be run; empty: it could
+    # motion of the unit after the same emergency stop without a fault, over that of the locked one; NaN: none was asked
+    stopped: float = math.nan
     seconds: float = 0.0  # of processor time that it took
 
 
@@ -85,11 +87,14 @@ def _run_loop(cells: Sequence[Cell], after: float) -> Iterator[tuple[Cell, Outco
     except Exception as error:  # one loop that cannot be run must not end the others; it stands in the matrix
         failure = _words(error)
     for one in cells:
-        yield one, Outcome(failure=failure) if failure else _forked(one, session, after)
+        found = Outcome(failure=failure) if failure else _forked(one, session, after)
+        if base.moment == "emergency_stop" and not found.failure:
+            found = replace(found, stopped=_forked(one, session, after, begins=False).unit)
+        yield one, found
 
 
-def _forked(one: Cell, session: Session, after: float) -> Outcome:
-    """Return what a case comes to in a copy of the `session`."""
+def _forked(one: Cell, session: Session, after: float, *, begins: bool = True) -> Outcome:
+    """Return what a case comes to in a copy of the `session`, with its fault or without."""
     reading, writing = os.pipe()
     child = os.fork()
     if child == 0:
@@ -99,7 +104,7 @@ def _forked(one: Cell, session: Session, after: float) -> Outcome:
             signal.signal(signal.SIGALRM, signal.SIG_DFL)
             signal.alarm(LIMIT)
             with os.fdopen(writing, "w") as file:
-                json.dump(asdict(_branch(one, session, after)), file)
+                json.dump(asdict(_branch(one, session, after, begins=begins)), file)
             status = 0
         finally:
             os._exit(status)
@@ -112,12 +117,13 @@ def _forked(one: Cell, session: Session, after: float) -> Outcome:
     return outcome_of(json.loads(text))
 
 
-def _branch(one: Cell, session: Session, after: float) -> Outcome:
+def _branch(one: Cell, session: Session, after: float, *, begins: bool) -> Outcome:
     began = clock.process_time()
     try:
         session.go(one.offset)
         begin = session.time
-        session.wires.begin(one.fault)
+        if begins:
+            session.wires.begin(one.fault)
         session.asked = session.asked.left(session.loop.controller.mean)
         session.go(after)
     except Exception as error:  # see `_run_loop`
@@ -178,6 +184,7 @@ def judged(
             ALWAYS: True,
             MOVING: path_of(time, rate, np.nan_to_num(ordered), begin, end) > SHOWN,
             FASTER: asked_more(ordered, one.fault.magnitude * speed_limit, time, begin, end),
+            CREEPING: one.fault.magnitude * held_for(time, ~brake, begin, end) > SHOWN,
             RESTING: held_for(time, np.isnan(ordered), begin, end) > HELD,
         }.get(kind.shows),
         rest=rest,

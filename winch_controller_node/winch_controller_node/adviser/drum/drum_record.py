@@ -75,20 +75,19 @@ class DrumRecord:
             left[:, first:end] -= left[:, first:end].mean(axis=1, keepdims=True)
         return np.asarray(left)
 
+    def squares_with_drift(self, left: Array, onset: int) -> float:
+        """Return the sum of squares of what is `left`, (seen,), less a drift of the count from an `onset` on [m^2]."""
+        ramp = np.maximum(np.flatnonzero(self.seen) - onset, 0).astype(float)
+        for first, end in self._stretches:
+            ramp[first:end] -= ramp[first:end].mean()
+        return float(left @ left - (ramp @ left) ** 2 / (ramp @ ramp))
+
     def until(self, place: int) -> DrumRecord:
         """Return its beginning, without the readings from a `place` on."""
         left = len(self.readings) - place
-        return replace(
-            self,
-            payouts=self.payouts[:-left],
-            rates=self.rates[:-left],
-            late=self.late[:-left],
-            tensions=self.tensions[:-left],
-            readings=self.readings[:place],
-            limited=self.limited[:place],
-            onset=0,
-            breaks=tuple(one for one in self.breaks if one < place),
-        )
+        names = ("payouts", "rates", "late", "tensions", "readings", "limited")
+        begins = {name: getattr(self, name)[:-left] for name in names}
+        return replace(self, **begins, onset=0, breaks=tuple(one for one in self.breaks if one < place))
 
     def step(self, theta: Array) -> float:
         """Return by how much the encoder has jumped at the onset, and there alone, under `theta` [m]."""

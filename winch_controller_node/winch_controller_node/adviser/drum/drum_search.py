@@ -85,8 +85,11 @@ def identify(record: DrumRecord, prior: DrumPrior, assumed: Array) -> DrumFit:
     best = min([best, *(fit_drum(record, prior, other, best.free) for other in others)], key=lambda fit: fit.loss)
     held_limits = {index for index in LIMITS if assumed[index] < prior.nominal[index]}
     onsets = _sudden(record, prior, assumed) if best.residual > UNEXPLAINED else []
-    best, freed = _with_groups(prior, best, others, onsets, held_limits)
-    return _without_held(prior, _without_passengers(prior, best, freed, assumed), held_limits)
+    found, freed = _with_groups(prior, best, others, onsets, held_limits)
+    if (FACTOR,) in freed and _loss_with_drift(record, prior, assumed, onsets) < found.loss:
+        # the drum has begun to creep, and its encoder is right: the next records say by how much
+        found, freed = _with_groups(prior, best, others, [], held_limits)
+    return _without_held(prior, _without_passengers(prior, found, freed, assumed), held_limits)
 
 
 def _other_starts(prior: DrumPrior, start: Array) -> list[Array]:
@@ -130,11 +133,8 @@ def _sudden(record: DrumRecord, prior: DrumPrior, assumed: Array) -> list[int]:
         onset = count - round(time / record.dt)
         if onset < round(LEAST_BEFORE / record.dt) or np.mean(record.limited[onset:]) > LIMITED:
             continue
-        before = record.until(onset)
-        if (
-            np.count_nonzero(before.seen) > 2
-            and fit_drum(before, prior, begun(before, assumed), ()).residual < UNEXPLAINED
-        ):
+        is_read = np.count_nonzero(record.seen[:onset]) > 2
+        if is_read and _before(record, prior, assumed, onset).residual < UNEXPLAINED:
             found.append(onset)
     return found
 
@@ -206,6 +206,20 @@ def _with_factor(prior: DrumPrior, best: DrumFit, onsets: Sequence[int]) -> Drum
                 near = fit_drum(replace(record, onset=onset), prior, best.theta, best.free)
                 best = near if near.loss < best.loss else best
     return best
+
+
+def _before(record: DrumRecord, prior: DrumPrior, assumed: Array, onset: int) -> DrumFit:
+    """Return the `assumed` drum in the record until an `onset`."""
+    before = record.until(onset)
+    return fit_drum(before, prior, begun(before, assumed), ())
+
+
+def _loss_with_drift(record: DrumRecord, prior: DrumPrior, assumed: Array, onsets: Sequence[int]) -> float:
+    """Return the loss of the `assumed` drum whose count drifts from near one of the `onsets` on, the best [nats]."""
+    fit = _before(record, prior, assumed, min(onsets))
+    left = record.residuals(fit.theta[None, :])[0]
+    squares = min(record.squares_with_drift(left, at) for at in range(min(onsets), len(record.readings) - 2))
+    return replace(fit, squares=squares, count=len(left), record=record).loss
 
 
 def shown_limits(record: DrumRecord) -> dict[int, float]:
