@@ -40,10 +40,10 @@ class SeaRecord:
     """The seas of a place and a time, or those of a study."""
 
     name: str  # of the file
-    # columns hs [m], tp [s] and share (of the time); of a record with the time (UTC) as index, at equal steps, NaN
-    # where nothing was measured
+    # columns hs [m] and tp [s]; of a file with the time (UTC) as index, at equal steps, NaN where nothing was known; of
+    # a study with a share (of the time)
     states: pandas.DataFrame
-    step: float  # between two states [h]; NaN of a scatter diagram, which knows no order
+    step: float  # between two states [h]; NaN of a study, whose seas have no order
     warnings: tuple[str, ...] = ()  # what was repaired or left out
 
 
