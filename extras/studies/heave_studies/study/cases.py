@@ -46,7 +46,7 @@ class Cases:
         """What its table and page are called."""
         return self.study.title or self.study.path.stem
 
-    @property
+    @cached_property
     def size(self) -> int:
         """Number of cases, at most."""
         if self.study.search is not None:
