@@ -71,6 +71,7 @@ def why_no_lanes(line: LineArrays, duration: float) -> str:
     """Return what lanes do not have of a `line`, integrated over intervals of a `duration` [s]; "" where they do."""
     numbers, n = line.numbers, line.segments
     found = [words for words, setting in OF_NO_LANE.items() if numbers[setting] > 0.0]
+    found += ["water without a surface"] if numbers[at.SURFACE_ON] == 0.0 else []
     found += ["a current"] if line.read(at.FLOW_X, 6, n).any() else []
     found += ["another section below the boom tip"] if _changes_above(line) else []
     slopes = numbers[[at.BED_SLOPE_X, at.BED_SLOPE_Y]]
@@ -93,7 +94,7 @@ def lanes_of(line: LineArrays) -> Lanes:
         cells[:, column // LANES] = line.column(known, n + 1)[:, None]
     cells[:n, LENGTH // LANES] = line.column(at.LENGTH, n)[:, None]
     parts = np.column_stack([line.column(part, n) for part in PARTS])
-    parts[:, BUOYANCY] *= numbers[at.GRAVITY] * (numbers[at.SURFACE_ON] > 0.0)
+    parts[:, BUOYANCY] *= numbers[at.GRAVITY]
     drag = numbers[at.UNIT_DRAG + 2] + numbers[at.UNIT_BODY_DRAG]
     unit = np.array([numbers[at.UNIT_INERTIA + 2], drag, numbers[at.UNIT_FORCE + 2]])
     points, size = line.grid_points, line.column(at.GRID + at.LENGTH, n + 1)
@@ -122,12 +123,12 @@ def assemble(cells: Array, parts: Array, unit: Array, first: int, end: int, c_ma
         low, high, part = j * ROW, (j + 1) * ROW, parts[j]
         stiffness, quadratic, cubic, damping = part[STIFFNESS], part[QUADRATIC], part[CUBIC], part[DAMPING]
         for k in range(LANES):
-            length, bottom, end = cells[low + LENGTH + k], cells[low + MID_Z + k], cells[high + MID_Z + k]
+            length, bottom, top = cells[low + LENGTH + k], cells[low + MID_Z + k], cells[high + MID_Z + k]
             v, w = cells[low + MID_V + k], cells[high + MID_V + k]
             per_length = 1.0 / length
-            strain = (end - bottom) * per_length - 1.0
+            strain = (top - bottom) * per_length - 1.0
             tension, by_strain, by_rate = tension_of(stiffness, quadratic, cubic, damping, strain, (w - v) * per_length)
-            dry = min(max(end / (end - bottom), 0.0), 1.0)  # share of it above still water
+            dry = min(max(top / (top - bottom), 0.0), 1.0)  # share of it above still water
             slip, half = 0.5 * (v + w), 0.5 * length
             drag = half * part[DRAG] * (1.0 - dry) * abs(slip)
             load, mass = drag * slip + half * (part[WEIGHT] + dry * part[BUOYANCY]), half * part[MASS]
