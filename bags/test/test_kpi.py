@@ -321,3 +321,32 @@ def test_people_see_what_counts_events_only_where_there_were_any():
     assert without["landings"] == 0.0
     assert kpi_set.LANDING not in {one.group for one in shown([without])}
     assert kpi_set.LANDING in {one.group for one in shown([without, with_one])}
+
+
+@pytest.mark.parametrize(("period", "samples"), [(0.05, 6000), (0.1, 2500), (0.07, 3000), (1.0, 70), (2.0, 100)])
+def test_ratios_over_windows_are_those_of_the_samples_of_each(period, samples):
+    """numpy.std of each window is the reference, also where a calm follows on a storm and a unit is moved by 100 m."""
+    random = np.random.default_rng(5)
+    time = period * np.arange(samples)
+    unit = np.where(time < 0.5 * time[-1], 1e2, 1e-2) * random.standard_normal(samples)
+    off = random.standard_normal(samples) + np.where(time < 0.3 * time[-1], 0.0, 100.0)
+    starts, ratios = kpi.window_ratios(time, unit, off, 3.0, floor=0.02)
+    count, step = round(kpi.WORSE_WINDOW / period), max(1, round(1.0 / period))
+    firsts = np.arange(np.searchsorted(time, 3.0), samples - count + 1, step)
+    windows = [(unit[first : first + count].std(), off[first : first + count].std()) for first in firsts]
+    np.testing.assert_array_equal(starts, time[firsts])
+    np.testing.assert_allclose(ratios, [one / max(other, 0.02) for one, other in windows], rtol=1e-12)
+    assert len(kpi.window_ratios(time[: count - 1], unit[: count - 1], off[: count - 1], 0.0)[0]) == 0
+
+
+def test_what_moving_costs_a_rope_needs_its_turns_alone():
+    """Play taken of every sample is the reference."""
+    random = np.random.default_rng(6)
+    time = 0.05 * np.arange(4000)
+    payout = 0.03 * np.cumsum(random.standard_normal(4000)) * np.sin(0.05 * time)
+    swings = kpi._after_play(payout, kpi.BENDING_STROKE)
+    wear = kpi.rope_wear(time, payout)
+    rises = np.sign(np.diff(swings))
+    turns = np.count_nonzero(np.diff(rises[rises != 0.0]))
+    assert wear.reversals * time[-1] / 3600.0 == pytest.approx(turns, rel=1e-12)
+    assert wear.bending_cycles * time[-1] / 3600.0 == pytest.approx(kpi._most_crossed(swings), rel=1e-12)

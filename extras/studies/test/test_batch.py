@@ -10,9 +10,10 @@ from heave_bringup.closed_loop import ClosedLoop, loop_parameters
 from heave_bringup.run.loop_signals import run_signals
 from heave_bringup.scenarios import Scenario, load_scenario
 from heave_bringup.settings import make_setting
-from heave_studies.batch.kernel import heights_seen
+from heave_studies.batch.kernel import hang, heights_seen
 from heave_studies.batch.law import noises_seen, not_covered, stationary_gains
 from heave_studies.batch.lifts import SEA_TRACKER, LiftBatch, NotCoveredError
+from heave_studies.batch.line import SEEN_GONE, lanes_of
 from heave_studies.study.cases import Cases, screening_words
 from heave_studies.study.engine import run_study
 from heave_studies.study.plan import Study
@@ -67,6 +68,44 @@ def test_figures_are_within_two_percent_of_the_full_loop(name: str, height: floa
             found[row] += [kpis[key] ** 2 for key in FIGURES]
     known = found[1] > 0.0
     np.testing.assert_allclose(np.sqrt(found[0, known] / found[1, known]), 1.0, atol=0.02)
+
+
+@pytest.mark.parametrize(("name", "height", "period"), [("unit_1500", 2.5, 9.0), ("b2_calm_300", 1.2, 8.0)])
+def test_lanes_hang_as_the_line_of_the_plant_does(name: str, height: float, period: float) -> None:
+    """The plant's own kernel is the reference, for as long as Newton's tolerance lets it: strains of 1e-4 squared."""
+    batch = LiftBatch(in_sea(name, height, period, winch_controller__law="off"))
+    course, ticks, seeds = batch._course([*range(8)]), 2000, [*range(8)]
+    side_by_side, alone = np.zeros((2, ticks, 4, len(seeds)))
+    lanes = lanes_of(batch._rest.arrays)
+    hang(lanes, course, batch._timing, side_by_side)
+    assert not lanes.seen[SEEN_GONE].any()
+    for lane in seeds:
+        assert batch._hang(lane, course, alone)
+    scale = np.abs(alone).max(axis=(0, 2), keepdims=True)
+    np.testing.assert_allclose(side_by_side / scale, alone / scale, atol=1e-8)
+
+
+@pytest.mark.parametrize(
+    ("changes", "why"),
+    [
+        ({"cable_sim__current": [0.2, 0.0]}, "a current"),
+        ({"system__cable__bending_stiffness": 1e3}, "bending"),
+    ],
+)
+def test_a_line_that_does_not_hang_straight_down_in_still_water_runs_in_full(
+    changes: dict[str, object], why: str
+) -> None:
+    with pytest.raises(NotCoveredError, match=why):
+        LiftBatch(case(**changes))
+
+
+def test_a_locked_line_that_comes_slack_is_the_plants_own_beside_a_lift_that_is_screened() -> None:
+    winch = {"system__winch__speed_limit": 5.0, "system__winch__acceleration_limit": 9.0}
+    (flown,) = LiftBatch(in_sea("b3_deep_900", 2.8, 11.0, winch_controller__law="lqg", **winch)).fly([4])
+    tension = flown.record.column("uncompensated_tension")
+    assert flown.flag == ""
+    assert tension.min() == 0.0
+    assert tension.max() < 4.0 * tension[0]
 
 
 def test_gains_are_those_of_the_algebraic_riccati_equation() -> None:

@@ -18,7 +18,7 @@ from heave_bringup.scenarios import shipped_scenarios
 from heave_node.parameters import ParameterError
 from heave_node.scenario import read_sections, sections_text
 from heave_studies.baseline import KEPT, read_kept
-from heave_studies.study.case_file import case_in, read_cases, split_reference, write_case
+from heave_studies.study.case_file import case_in, split_reference, write_case
 
 DIGEST = hashlib.sha256(b"content of a file").hexdigest()
 NAMED = "/nowhere/own_rao.csv"
@@ -74,18 +74,6 @@ def test_a_file_that_the_table_names_is_read_only_where_its_size_is_right(tmp_pa
     monkeypatch.setattr(module, "digest_of", lambda _: pytest.fail("it was read"))
     for path in (str(other), "/dev/zero", "/"):
         assert module.ReadFile(Path(path), DIGEST, 999).state()
-
-
-def test_a_table_that_unpacks_to_more_than_it_may_is_refused(tmp_path):
-    # 100,000 rows of one text of 100 kB are 10 GB, and a few kB in the file
-    texts = pyarrow.DictionaryArray.from_arrays(pyarrow.array(np.zeros(100_000, np.int32)), ["x" * 100_000])
-    rows = pyarrow.table({"case": np.arange(100_000), "scenario": texts})
-    path = tmp_path / "own.parquet"
-    pyarrow.parquet.write_table(rows, path, compression="zstd")
-    assert path.stat().st_size < 1e6
-    for read in (read_cases, lambda path: case_in(path, 1)):
-        with pytest.raises(ParameterError, match="unpacks to"):
-            read(path)
 
 
 def test_a_table_of_other_types_is_refused(tmp_path):

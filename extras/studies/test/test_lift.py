@@ -1,4 +1,4 @@
-"""A lift by phases: what its cases are, what is refused, weather windows, phases found in a bag."""
+"""A lift by phases: what its cases are, what is refused, weather windows."""
 
 import json
 import math
@@ -8,12 +8,8 @@ import numpy as np
 import pandas
 import pytest
 from heave_bags.analyse.kpi_set import DEFINITION_OF
-from heave_bags.analyse.run_record import RunRecord
-from heave_bags.signals import RunSignals, Signal
 from heave_bringup.cli import main
-from heave_node.parameters import ParameterError
-from heave_studies.answers.answer import criteria_of, first_scenario
-from heave_studies.answers.lift import IN_PART, NOT_REACHED, AsBuilt, Window, as_built, read_forecast, warnings, windows
+from heave_studies.answers.lift import Window, warnings, windows
 from heave_studies.operability.limits import HEIGHT, PERIOD, Bisection, limit_curve
 from heave_studies.operability.seas import SeaRecord, at_equal_steps
 from heave_studies.study import cases as engine
@@ -137,91 +133,15 @@ def test_phases_begin_when_the_forecast_allows_it(
         assert due[0].utilisation == pytest.approx(max(heights[first : first + 1 + round(contingency)]) / 2.0)
 
 
-def test_what_is_to_be_known_of_a_forecast_is_said(tmp_path: Path) -> None:
+def test_what_is_to_be_known_of_a_forecast_is_said() -> None:
     curve, forecast = pandas.DataFrame({"period": [7.0, 11.0]}), _forecast([1.0, 1.0])
     assert warnings(forecast, curve) == []
     forecast.states.loc[forecast.states.index[0], "tp"] = 14.0
     (words,) = warnings(forecast, curve)
     assert "1 of 2 peak periods lie outside 7 to 11 s" in words
-    (tmp_path / "s.csv").write_text("hs,7,9\n1,3,4\n2,1,2\n")
-    with pytest.raises(ParameterError, match=r"s\.csv: is a scatter diagram"):
-        read_forecast(tmp_path / "s.csv")
 
 
-def _record(depths: list[float], peaks: list[float]) -> RunRecord:
-    time = np.arange(0.0, 400.0, 0.5)
-    depth = np.interp(time, np.linspace(0.0, 400.0, len(depths)), depths)
-    tension = 1e5 * np.ones(time.size)
-    for number, peak in enumerate(peaks):
-        tension[np.searchsorted(time, 100.0 + 200.0 * number)] = peak
-    signals = RunSignals(
-        unit_height=Signal(time, -depth), tension=Signal(time, tension), static_tension=Signal(time[:1], tension[:1])
-    )
-    return RunRecord("bag", signals, 0.0, 400.0)
-
-
-TWO_DEPTHS = "  - {name: down, depth: [20, 110], speed: 0.5}\n  - {name: low, depth: [111, 200], speed: 0.5}\n"
-WIDE = "{system.cable.breaking_force: 0.0, system.winch.payout_minimum: -99.0, system.winch.payout_maximum: 99.0}"
-
-
-def _built(folder: Path, record: RunRecord, phases: str = TWO_DEPTHS, head: str = HEAD) -> list[AsBuilt]:
-    study = _study(folder, phases, head.replace("{system.cable.breaking_force: 0.0}", WIDE))
-    return as_built(study.phases, criteria_of(study), first_scenario(study), record)
-
-
-def test_a_bag_is_judged_by_phase_as_its_unit_gets_deeper(tmp_path: Path) -> None:
-    down, low = _built(tmp_path, _record([10.0, 210.0], [1.2e5, 1.5e5]))
-    assert (down.state, low.state) == ("passed", "FAILED")
-    assert down.judged[0].value == pytest.approx(1.2, rel=1e-3)
-    assert low.failures[0].startswith("low: Dynamic amplification 1.500")
-    assert down.end <= low.start
-
-
-def test_the_tension_at_rest_is_that_of_the_phase_not_of_the_deck(tmp_path: Path) -> None:
-    """The unit hung in air at 150 kN when the bag began; in water it hangs at 100 kN, with peaks of 120 and 150 kN."""
-    record = _record([10.0, 210.0], [1.2e5, 1.5e5])
-    record.signals.static_tension = Signal(np.zeros(1), np.full(1, 1.5e5))
-    down, low = _built(tmp_path, record)
-    assert [one.judged[0].value for one in (down, low)] == pytest.approx([1.2, 1.5], rel=1e-3)
-
-
-def test_a_ship_without_the_truth_is_judged_by_what_its_sensors_tell(tmp_path: Path) -> None:
-    """Lowered at 0.4 m/s with a heave of 0.1 m at 9 s; residual 4 x 0.1/sqrt(2). The attachment has no sensor."""
-    wanted = 'rope_safety_factor: ">= 3", attachment_safety_factor: ">= 3", significant_residual_m: "<= 0.3"'
-    head = HEAD.replace('"<= 1.3"', f'"<= 1.3", slack_percent: "<= 0", {wanted}')
-    head = head.replace("{system.cable.breaking_force: 0.0}", WIDE.replace("0.0,", "494000.0,", 1))
-    record = _record([10.0, 210.0], [1.2e5, 1.5e5])
-    height = record.signals.unit_height
-    height.value += 0.1 * np.sin(2.0 * np.pi / 9.0 * height.time)
-    record.signals.static_tension = Signal()
-    record.sources["unit height"] = "measured"
-    down, low = _built(tmp_path, record, head=head)
-    by_key = {one.criterion.kpi: one for one in low.judged}
-    assert by_key["dynamic_amplification"].value == pytest.approx(1.5, rel=0.01)
-    assert by_key["rope_safety_factor"].value == pytest.approx(494.0 / 150.0, rel=0.01)  # of the study's rope
-    assert by_key["significant_residual_m"].value == pytest.approx(4.0 * 0.1 / math.sqrt(2.0), rel=0.03)
-    assert by_key["slack_percent"].got == "unknown, it needs the tension at the load"
-    assert "the tension at the load" in by_key["attachment_safety_factor"].got
-    assert low.state == "FAILED"
-    assert [words.split(" ")[1] for words in low.failures] == ["Dynamic"]
-    # from 20 m on: a depth sensor notices the waves of 9 s down to 63 m
-    assert down.state == IN_PART
-    assert math.isnan(next(one.value for one in down.judged if one.criterion.kpi == "significant_residual_m"))
-
-
-def test_a_phase_that_the_bag_does_not_reach_is_reported_as_such(tmp_path: Path) -> None:
-    record = _record([10.0, 90.0], [1.2e5])
-    down, low = _built(tmp_path, record)
-    assert (down.state, low.state) == ("passed", NOT_REACHED)
-    beyond = _built(tmp_path, record, "  - {name: far, depth: [900, 950], speed: 0.5}\n" + TWO_DEPTHS)
-    assert [one.state for one in beyond] == [NOT_REACHED, "passed", NOT_REACHED]
-    with pytest.raises(ParameterError, match=r"its unit is at 900 to 950 m depth"):
-        _built(tmp_path, _record([900.0, 950.0], []))
-    with pytest.raises(ParameterError, match="does not say how deep"):
-        _built(tmp_path, RunRecord("bag", RunSignals(), 0.0, 1.0))
-
-
-def test_the_command_answers_with_limits_forecast_and_bag(
+def test_the_command_answers_with_limits_and_forecast(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """A unit whose locked load grows by a fifth of its weight for each metre of Hs reaches 1.3 at 1.5 m."""
@@ -237,18 +157,14 @@ def test_the_command_answers_with_limits_forecast_and_bag(
     forecast = "time,hs,tp\n2026-11-27T00:00Z,1.4,8\n2026-11-27T01:00Z,0.5,8\n2026-11-27T02:00Z,1,8\n"
     (tmp_path / "f.csv").write_text(forecast)
     arguments = ["study", "my_lift.yaml", "--processes", "1", "--ask", "alpha=0.5", "--forecast", "f.csv"]
-    monkeypatch.setattr("heave_studies.answers.lift.read_records", lambda _: [_record([-5.0, -5.0], [1.2e5])])
-    monkeypatch.setattr("heave_studies.answers.lift.bag_of", lambda path: path)
-    assert main([*arguments, "--ask", "bag=bag", "--json", "lift.json"]) == 0
+    assert main([*arguments, "--json", "lift.json"]) == 0
     printed = capsys.readouterr().out
     assert "GO after 1 h of waiting" in printed
-    assert "as built, deck: passed" in printed
     page = (tmp_path / "studies" / "my_lift" / "page.html").read_text()
     assert "Forecast and what the lift allows" in page
     found = json.loads((tmp_path / "lift.json").read_text())
     assert [row["limit"] for row in found["situations"][0]["uncompensated_limit"]] == pytest.approx([1.5, 1.5])
     assert found["windows"][0]["start"] == "2026-11-27T01:00:00+00:00"
-    assert found["as_built"][0]["criteria"][0]["got"] == pytest.approx(1.2, rel=1e-3)
     (tmp_path / "f.csv").write_text("time,hs,tp\n2026-11-27T00:00Z,9.5,8\n2026-11-27T01:00Z,9.5,8\n")
     assert main(arguments) == 3
     assert "NO-GO: no window for deck" in capsys.readouterr().out

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -30,6 +31,14 @@ def study(tmp_path: Path):
     path = tmp_path / "own.yaml"
     path.write_text(TEXT)
     return read_study(path)
+
+
+def test_cases_that_differ_by_their_seed_have_the_text_that_each_would_have_alone(study):
+    tasks = make_tasks(study, list(study.cases()))
+    assert [task.alike is not None for task in tasks] == [False, True] * 4
+    for task in tasks:
+        assert task.text == replace(task, alike=None).text
+    assert len({task.values for task in tasks}) == len(tasks)
 
 
 def test_a_case_that_raises_says_why(study, monkeypatch):

@@ -26,8 +26,7 @@ from heave_studies.whatif.record import (
     delivered,
     first_request,
     read_record,
-    scenario_text,
-    write_text,
+    stored_scenario,
 )
 from heave_studies.whatif.twin import Asked, observed_again
 from rclpy.serialization import deserialize_message, serialize_message
@@ -76,9 +75,9 @@ def without_truth(bag, folder, *, topics=tuple(SELECTION), logged=lambda topic, 
 
 
 @pytest.fixture(scope="module")
-def nominal(calm_bag, tmp_path_factory):
-    scenario = write_text(tmp_path_factory.mktemp("scenario"), scenario_text(Bag(calm_bag)))
-    return load_scenario(str(scenario), needs_files=False).parameters["winch_controller"]
+def nominal(calm_bag):
+    with stored_scenario(Bag(calm_bag)) as scenario:
+        return load_scenario(str(scenario), needs_files=False).parameters["winch_controller"]
 
 
 def test_deleting_every_truth_topic_changes_no_digit(calm_bag, nominal, tmp_path):

@@ -100,29 +100,34 @@ def _draw_spreading(exponent: float, count: int, generator: np.random.Generator)
 @kernel
 def _evaluate(
     frequency: Array,
-    anchor: ComplexArray,
+    anchors: ComplexArray,
     table: tuple[Array, Array],
     first: int,
     weights: tuple[Array, Array],
     out: Array,
 ) -> None:
-    """Add Re(c e^{i omega t}) and its two derivatives to out (3, outputs, ticks), for a block's ticks from `first` on.
+    """Add Re(c e^{i omega t}) and its two derivatives to out (3, outputs, ticks), from tick `first` of a block on.
 
-    Ticks are the innermost loop, so that they run side by side; the sum of each is in the order of the components.
+    Each block has its row of anchors. Ticks are the innermost loop, so that they run side by side; the sum of each is
+    in the order of the components.
     """
     turn_real, turn_imaginary = table
     real, imaginary = weights
-    for row in range(real.shape[0]):
-        value, rate, acceleration = out[0, row], out[1, row], out[2, row]
-        for n in range(frequency.size):
-            omega, a, b = frequency[n], anchor[n].real, anchor[n].imag
-            for t in range(value.size):
-                z_real = a * turn_real[n, first + t] - b * turn_imaginary[n, first + t]
-                z_imag = a * turn_imaginary[n, first + t] + b * turn_real[n, first + t]
-                part = real[row, n] * z_real - imaginary[row, n] * z_imag
-                value[t] += part
-                rate[t] -= omega * (real[row, n] * z_imag + imaginary[row, n] * z_real)
-                acceleration[t] -= omega * omega * part
+    done = 0
+    for anchor in anchors:
+        count = min(turn_real.shape[1] - first, out.shape[2] - done)
+        for row in range(real.shape[0]):
+            value, rate, acceleration = out[0, row, done:], out[1, row, done:], out[2, row, done:]
+            for n in range(frequency.size):
+                omega, a, b = frequency[n], anchor[n].real, anchor[n].imag
+                for t in range(count):
+                    z_real = a * turn_real[n, first + t] - b * turn_imaginary[n, first + t]
+                    z_imag = a * turn_imaginary[n, first + t] + b * turn_real[n, first + t]
+                    part = real[row, n] * z_real - imaginary[row, n] * z_imag
+                    value[t] += part
+                    rate[t] -= omega * (real[row, n] * z_imag + imaginary[row, n] * z_real)
+                    acceleration[t] -= omega * omega * part
+        done, first = done + count, 0
 
 
 class HarmonicSum:
@@ -157,12 +162,8 @@ class HarmonicSum:
 
     def at(self, ticks: range) -> Array:
         """Return value, rate and acceleration at the times of `ticks`, shape (ticks, 3, outputs)."""
-        parts, done = [], 0
-        while done < len(ticks):
-            block, first = divmod(ticks[done], _BLOCK)
-            count = min(_BLOCK - first, len(ticks) - done)
-            anchor = np.exp(1j * self._frequency * (block * _BLOCK * self._period))
-            parts.append(np.zeros((3, len(self._weights[0]), count)))
-            _evaluate(self._frequency, anchor, self._table, first, self._weights, parts[-1])
-            done += count
-        return np.concatenate(parts, axis=2).transpose(2, 0, 1)
+        blocks = np.arange(ticks[0] // _BLOCK, ticks[-1] // _BLOCK + 1)
+        anchors = np.exp(1j * self._frequency * (blocks * _BLOCK * self._period)[:, None])
+        found = np.zeros((3, len(self._weights[0]), len(ticks)))
+        _evaluate(self._frequency, anchors, self._table, ticks[0] % _BLOCK, self._weights, found)
+        return found.transpose(2, 0, 1)

@@ -30,8 +30,8 @@ from heave_studies.study.plan import Case, Study
 
 ANSWERS = {
     "cases": "every case, a summary with confidence intervals, and which parameters matter",
-    "limits": "the largest sea in which the criteria are met, and the waiting time for it",
-    "lift": "the same for each phase of a lift, compared with a forecast or with its bag",
+    "limits": "the largest sea in which the criteria are met",
+    "lift": "the same for each phase of a lift, compared with a forecast",
     "sizing": "what a larger winch is worth, and what it costs",
     "extremes": "the largest motion and tension expected in a number of hours",
 }

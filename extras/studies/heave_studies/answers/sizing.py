@@ -16,7 +16,6 @@ from heave_studies.answers.answer import (
     Ask,
     Found,
     Section,
-    as_path,
     check_seas,
     criteria_of,
     criteria_section,
@@ -24,7 +23,6 @@ from heave_studies.answers.answer import (
     number_in,
 )
 from heave_studies.operability.limits import FEWEST_SEEDS
-from heave_studies.operability.seas import SeaRecord, read_record
 from heave_studies.sizing import (
     ABILITY,
     BUYERS,
@@ -47,9 +45,9 @@ from heave_studies.study.plan import Study
 from heave_studies.study.workers import FAILURE
 
 KEYS: Mapping[str, object] = MappingProxyType(
-    {**dict.fromkeys((one.name for one in PARTICULARS), None), "record": None, **asdict(Prices())}
+    {**dict.fromkeys((one.name for one in PARTICULARS), None), **asdict(Prices())}
 )
-"""Values to be tried of each particular (SI; none: shares of the scenario's), seas of the site, prices."""
+"""Values to be tried of each particular (SI; none: shares of the scenario's), prices."""
 
 FOOTER = f"""Workable: within the largest sea in which the criteria hold, a mean over the seeds, linear between the seas
 that were run. An hour's figures are means over the workable seas of each winch, so that a winch which works in higher
@@ -64,7 +62,6 @@ def prepare(study: Study, ask: Ask, /) -> Study:
     """See `heave_studies.answers.answer.Answer`: adds the winches that are tried."""
     check_seas(study, OF_THE_WINCH)
     _prices(ask)
-    _record(ask)
     parameters = first_scenario(study).parameters
     winch, plant = parameters["virtual_winch"], parameters["cable_sim"]
     static_tension = axial_line(plant, plant.boom_tip_height).static_top_tension(plant.length)
@@ -74,11 +71,6 @@ def prepare(study: Study, ask: Ask, /) -> Study:
 
 def _values(given: object) -> list[float] | None:
     return None if given is None else [float(str(one)) for one in (given if isinstance(given, list) else [given])]
-
-
-def _record(ask: Ask) -> SeaRecord | None:
-    path = as_path(ask["record"])
-    return None if path is None else read_record(path)
 
 
 def _prices(ask: Ask) -> Prices:
@@ -95,7 +87,7 @@ def answer(study: Study, frame: pandas.DataFrame, ask: Ask, /) -> Found:
     """See `heave_studies.answers.answer.Answer`."""
     prices = _prices(ask)
     criteria = criteria_of(study, OF_THE_WINCH)
-    seas = _record(ask) or even_seas(frame)
+    seas = even_seas(frame)
     found = size_winches(frame, criteria[""], seas, prices)
     answers = knees(found)
     knee = f"The knee gives {100 * ENOUGH:g} % of what the best of its sweep gives, all else as the scenario has it."

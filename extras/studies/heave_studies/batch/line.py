@@ -71,6 +71,7 @@ def why_no_lanes(line: LineArrays, duration: float) -> str:
     """Return what lanes do not have of a `line`, integrated over intervals of a `duration` [s]; "" where they do."""
     numbers, n = line.numbers, line.segments
     found = [words for words, setting in OF_NO_LANE.items() if numbers[setting] > 0.0]
+    found += ["water without a surface"] if numbers[at.SURFACE_ON] == 0.0 else []
     found += ["a current"] if line.read(at.FLOW_X, 6, n).any() else []
     found += ["another section below the boom tip"] if _changes_above(line) else []
     slopes = numbers[[at.BED_SLOPE_X, at.BED_SLOPE_Y]]
@@ -93,7 +94,7 @@ def lanes_of(line: LineArrays) -> Lanes:
         cells[:, column // LANES] = line.column(known, n + 1)[:, None]
     cells[:n, LENGTH // LANES] = line.column(at.LENGTH, n)[:, None]
     parts = np.column_stack([line.column(part, n) for part in PARTS])
-    parts[:, BUOYANCY] *= numbers[at.GRAVITY] * (numbers[at.SURFACE_ON] > 0.0)
+    parts[:, BUOYANCY] *= numbers[at.GRAVITY]
     drag = numbers[at.UNIT_DRAG + 2] + numbers[at.UNIT_BODY_DRAG]
     unit = np.array([numbers[at.UNIT_INERTIA + 2], drag, numbers[at.UNIT_FORCE + 2]])
     points, size = line.grid_points, line.column(at.GRID + at.LENGTH, n + 1)
@@ -108,23 +109,26 @@ def lanes_of(line: LineArrays) -> Lanes:
 
 
 @inlined_kernel
-def assemble(cells: Array, parts: Array, unit: Array, c_mass: float, c_velocity: float) -> None:
-    """Set the equations of all nodes where they hold: M a + drag + weight = tension above - tension below."""
+def assemble(cells: Array, parts: Array, unit: Array, first: int, end: int, c_mass: float, c_velocity: float) -> None:
+    """Set what the unit and the segments `first` to `end` - 1 give to the equations of the nodes, where these hold.
+
+    Those of a node are M a + drag + weight = tension above - tension below.
+    """
     for k in range(LANES):
         v = cells[MID_V + k]
         drag = unit[1] * abs(v)
         cells[RIGHT + k] = unit[2] - unit[0] * cells[MID_A + k] - drag * v
         cells[DIAGONAL + k] = c_mass * unit[0] + 2.0 * c_velocity * drag
-    for j in range(len(parts)):
+    for j in range(first, end):
         low, high, part = j * ROW, (j + 1) * ROW, parts[j]
         stiffness, quadratic, cubic, damping = part[STIFFNESS], part[QUADRATIC], part[CUBIC], part[DAMPING]
         for k in range(LANES):
-            length, bottom, end = cells[low + LENGTH + k], cells[low + MID_Z + k], cells[high + MID_Z + k]
+            length, bottom, top = cells[low + LENGTH + k], cells[low + MID_Z + k], cells[high + MID_Z + k]
             v, w = cells[low + MID_V + k], cells[high + MID_V + k]
             per_length = 1.0 / length
-            strain = (end - bottom) * per_length - 1.0
+            strain = (top - bottom) * per_length - 1.0
             tension, by_strain, by_rate = tension_of(stiffness, quadratic, cubic, damping, strain, (w - v) * per_length)
-            dry = min(max(end / (end - bottom), 0.0), 1.0)  # share of it above still water
+            dry = min(max(top / (top - bottom), 0.0), 1.0)  # share of it above still water
             slip, half = 0.5 * (v + w), 0.5 * length
             drag = half * part[DRAG] * (1.0 - dry) * abs(slip)
             load, mass = drag * slip + half * (part[WEIGHT] + dry * part[BUOYANCY]), half * part[MASS]
@@ -260,12 +264,12 @@ def observe(lanes: Lanes, held: Array, tip: Array) -> None:
     cells, parts, n = lanes.cells, lanes.parts, len(lanes.parts)
     for k in range(LANES):
         cells[n * ROW + Z + k], cells[n * ROW + V + k], cells[n * ROW + A + k] = held[0, k], held[1, k], held[2, k]
-    for column in (Z, V, A):
-        for i in range(n + 1):
-            for k in range(LANES):
-                cells[i * ROW + column + MID_Z + k] = cells[i * ROW + column + k]
+    for i in (0, 1, n - 1, n):
+        for place in range(i * ROW, i * ROW + 3 * LANES):
+            cells[place + MID_Z] = cells[place]
     take_material(cells, n, held[3], held[4], tip)
-    assemble(cells, parts, lanes.unit, 0.0, 0.0)
+    assemble(cells, parts, lanes.unit, 0, 1, 0.0, 0.0)
+    assemble(cells, parts, lanes.unit, n - 1, n, 0.0, 0.0)
     give_back(cells, n, tip)
     for k in range(LANES):
         lanes.seen[SEEN_TENSION, k] = max(-cells[n * ROW + RIGHT + k], 0.0)
@@ -274,12 +278,17 @@ def observe(lanes: Lanes, held: Array, tip: Array) -> None:
             leave(lanes, k, OTHER_NODES)
         if not cells[Z + k] > lanes.ends[3]:
             leave(lanes, k, ON_BOTTOM)
+    most, least = tip[0], tip[1]
+    most[:], least[:] = 0.0, 1.0
     for i in range(n):
+        row, above = i * ROW, (i + 1) * ROW
         for k in range(LANES):
-            strain = cells[i * ROW + STRAIN + k]
-            lanes.seen[SEEN_STRAIN, k] = max(lanes.seen[SEEN_STRAIN, k], strain)
-            if not strain > 0.0:
-                leave(lanes, k, SLACK)
+            strain = (cells[above + Z + k] - cells[row + Z + k]) / cells[row + LENGTH + k] - 1.0
+            most[k], least[k] = max(most[k], strain), min(least[k], strain)
+    for k in range(LANES):
+        lanes.seen[SEEN_STRAIN, k] = max(lanes.seen[SEEN_STRAIN, k], most[k])
+        if not least[k] > 0.0:
+            leave(lanes, k, SLACK)
 
 
 @inlined_kernel
@@ -306,7 +315,7 @@ def advance(lanes: Lanes, h: float, tips: Array, lengths: Array, work: Array) ->
     blend_top(lanes, h, tips, lengths, held)
     for _ in range(int(scheme[5])):
         take_material(cells, n, held[5], held[6], tip)
-        assemble(cells, lanes.parts, lanes.unit, c_mass, c_velocity)
+        assemble(cells, lanes.parts, lanes.unit, 0, n, c_mass, c_velocity)
         give_back(cells, n, tip)
         solve(cells, n)
         move(cells, n, c_mass, c_velocity, size, least)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import tempfile
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -105,11 +104,10 @@ def _load_in_bag(path: Path, settings: Sequence[str]) -> LoadIdentification:
 
     from heave_studies.reverse import identify_load
     from heave_studies.whatif.fitness import check_record
-    from heave_studies.whatif.record import read_record, scenario_text, write_text
+    from heave_studies.whatif.record import read_record, stored_scenario
 
     bag = Bag(path)
-    with tempfile.TemporaryDirectory(prefix="heave-") as scratch:
-        scenario = write_text(Path(scratch), scenario_text(bag))
+    with stored_scenario(bag) as scenario:
         nominal = load_scenario(str(scenario), settings=settings, needs_files=False).parameters["winch_controller"]
     record = read_record(bag, nominal)
     # an operator's requests and modes move the winch, which is measured

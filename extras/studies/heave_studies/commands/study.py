@@ -19,7 +19,7 @@ SUMMARY = "Run many cases from a study file, or a shipped study, without ROS; wr
 EXAMPLES = (
     "heave study --list",
     "heave study b2_calm_300 --vary winch_controller.law=off,lqg,mpc --seeds 3",
-    "heave study operability unit_1500 --ask record=46042w1996.txt.gz",
+    "heave study operability unit_1500",
     "heave study my_study.yaml --dask tcp://HOST:8786",
     "heave study --case studies/operability/table.parquet:17",
 )

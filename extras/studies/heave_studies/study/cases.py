@@ -46,7 +46,7 @@ class Cases:
         """What its table and page are called."""
         return self.study.title or self.study.path.stem
 
-    @property
+    @cached_property
     def size(self) -> int:
         """Number of cases, at most."""
         if self.study.search is not None:
@@ -62,7 +62,7 @@ class Cases:
     @cached_property
     def files(self) -> Mapping[str, ReadFile]:
         """Files that the cases read, by path."""
-        return read_files({path for task in self._first for path in named_files(task.scenario)})
+        return read_files({path for task in self._first if not task.alike for path in named_files(task.scenario)})
 
     @property
     def identity(self) -> str:

@@ -241,7 +241,7 @@ def asked_values(texts: Sequence[str]) -> dict[str, object]:
     for text in texts:
         key, separator, value = text.partition("=")
         if not separator:
-            raise ParameterError(f"{ASK} {text}: must be KEY=VALUE, such as record=seas.csv")
+            raise ParameterError(f"{ASK} {text}: must be KEY=VALUE, such as within=0.5")
         asked[key] = yaml_value(value, f"{ASK} {text}")
     return asked
 

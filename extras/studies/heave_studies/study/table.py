@@ -85,7 +85,7 @@ def _row(task: Task, result: CaseResult, files: Mapping[str, ReadFile]) -> dict[
         SILENT_START: result.minute.start,
         **result.kpis,
         SCENARIO: task.text,
-        FILES: to_text(files[path] for path in named_files(task.scenario) if path in files),
+        FILES: to_text(files[path] for path in named_files(task.scenario) if path in files) if files else "",
     }
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tempfile
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -23,7 +22,7 @@ from winch_controller_node.node_parameters import WinchControllerParameters
 from heave_studies.study.workers import Job, workers
 from heave_studies.whatif.answer import answers, drawn, learn, recorded
 from heave_studies.whatif.fitness import Result, check_known, check_record
-from heave_studies.whatif.record import read_record, scenario_text, write_text
+from heave_studies.whatif.record import read_record, stored_scenario
 from heave_studies.whatif.twin import Asked, winch_under
 
 CONTROLLER, WINCH = "winch_controller", "virtual_winch"
@@ -67,17 +66,16 @@ def ask(source: Path, question: Question, *, show: Show) -> Result:
 
     Raises CommandError where the record cannot carry an answer, ParameterError for what cannot be asked.
     """
+    bag = Bag(source)
     try:
-        with tempfile.TemporaryDirectory(prefix="heave-") as scratch:
-            return _answered(source, question, Path(scratch), show)
+        with stored_scenario(bag, question.scenario) as scenario:
+            return _answered(bag, scenario, question, show)
     except (DesignError, PlantError) as error:
         raise CommandError(f"{source}: {error}") from error
 
 
-def _answered(source: Path, question: Question, scratch: Path, show: Show) -> Result:
-    """Return what the record at `source` answers to a `question`; its scenario is written into `scratch`."""
-    bag = Bag(source)
-    scenario = question.scenario or write_text(scratch, scenario_text(bag))
+def _answered(bag: Bag, scenario: Path | str, question: Question, show: Show) -> Result:
+    """Return what a `bag`, of a run of a `scenario`, answers to a `question`."""
     before = load_scenario(str(scenario), needs_files=False)
     nominal = before.parameters[CONTROLLER]
     asked_of(question, scenario, winch_under(Beliefs(-1), nominal), has_adviser=True)
@@ -86,10 +84,10 @@ def _answered(source: Path, question: Question, scratch: Path, show: Show) -> Re
     warn(notes)
     record = record if question.end is None else record.part(question.end)
     start = before.run.transient if question.transient is None else question.transient
-    check_record(record, start, str(source))
+    check_record(record, start, str(bag.path))
     show("the same law again, cable and unit", 0.0)
     known = learn(record, nominal, start=start)
-    check_known(known, str(source))
+    check_known(known, str(bag.path))
     others = [drawn(known, SEED, number) for number in range(DRAWS)]
     wanted = asked_of(question, scenario, known.past.winch_parameters, has_adviser=record.has_adviser)
     with workers() as run:

@@ -11,9 +11,11 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -380,17 +382,20 @@ def _controller(columns: Columns, period: int, first: int, last: int) -> tuple[t
     return tuple(modes), set_points
 
 
-def scenario_text(bag: Bag) -> bytes:
-    """Return the scenario that a `bag` carries; raise CommandError where there is none."""
+@contextmanager
+def stored_scenario(bag: Bag, given: Path | str = "") -> Iterator[Path | str]:
+    """Give the scenario of a run, a file or a shipped name: the one that is `given`, else the one that its `bag` has.
+
+    Raises CommandError where there is none.
+    """
+    if given:
+        yield given
+        return
     attached = bag.attachments.get(SCENARIO_ATTACHMENT, b"")
     content: bytes = attached if isinstance(attached, bytes) else getattr(attached, "data", b"")
     if not content:
         raise CommandError(f"{bag.path}: carries no scenario: say with --scenario what its controller assumed")
-    return content
-
-
-def write_text(folder: Path, content: bytes) -> Path:
-    """Write the `content` of a scenario to a file in a `folder` and return it."""
-    path = folder / "scenario.yaml"
-    path.write_bytes(content)
-    return path
+    with TemporaryDirectory(prefix="heave-") as folder:
+        path = Path(folder, "scenario.yaml")
+        path.write_bytes(content)
+        yield path
