@@ -18,7 +18,7 @@ from winch_controller_node.motion.trajectory import MeanPayout
 from winch_controller_node.parameters.laws import MoveParameters
 
 from tests.campaigns.fault_matrix.cases import BRANCHES, cell
-from tests.campaigns.fault_matrix.faults import BY_NAME, KINDS, Fault
+from tests.campaigns.fault_matrix.faults import BY_NAME, KINDS, NOT_DRAWN, Fault
 from tests.campaigns.fault_matrix.figures import BARS, breaches, broken, kept, line, worst
 from tests.campaigns.fault_matrix.judge import (
     MARGIN,
@@ -229,8 +229,8 @@ def test_a_clock_that_is_off_moves_the_stamps_of_its_sensor_alone(sensor):
 
 def test_all_kinds_of_all_devices_and_all_moments_are_drawn_alike():
     for device, known in {"mru": "mru", "encoder": "encoder", "depth": "sensor", "winch": "winch"}.items():
-        assert {kind.kind for kind in KINDS if kind.device == device} == set(faults_of(known)) - {"clear"}
-    assert {kind for kind in FAULTS if kind != "clear"} <= {kind.kind for kind in KINDS}
+        assert {kind.kind for kind in KINDS if kind.device == device} == set(faults_of(known)) - {*NOT_DRAWN}
+    assert set(FAULTS) - {*NOT_DRAWN} <= {kind.kind for kind in KINDS}
     cells = [cell(3, index) for index in range(len(KINDS))]
     assert {one.fault.name for one in cells} == set(BY_NAME)
     loops = [cell(3, BRANCHES * number).base.moment for number in range(len(MOMENTS))]

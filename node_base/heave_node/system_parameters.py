@@ -141,7 +141,7 @@ def own_name(node: str, name: str) -> str:
 
 
 def owned_names(node: str, own_names: Collection[str]) -> dict[str, str]:
-    """Return those of `system_names` that the node owns."""
+    """Return those of `system_names` that the `node` owns; `own_names` are those of its parameters."""
     return dict(_names_of(node, tuple(own_names))[1])
 
 

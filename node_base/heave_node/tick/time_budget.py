@@ -14,11 +14,11 @@ NODES = (ALL, "recorder", *sorted({topic.publisher for topic in ALL_TOPICS} - {"
 
 
 class TimeBudget(NamedTuple):
-    """Largest times of a node in real time [s]; infinity: none is stated."""
+    """Largest times of a node in real time; infinity: none is stated."""
 
-    period: float = math.inf  # from one of its ticks to the next
-    age: float = math.inf  # from the start of a tick to its answer; of the clock master to the last answer of all nodes
-    work: float = math.inf  # processor time of its part of a tick
+    period: float = math.inf  # from one of its ticks to the next [s]
+    age: float = math.inf  # from the start of a tick to its answer, of the clock master to the last answer [s]
+    work: float = math.inf  # processor time of its part of a tick [s]
 
 
 def budget_of(node: str, budgets: Iterable[str]) -> TimeBudget:
