@@ -638,3 +638,14 @@ def test_an_mru_that_reads_in_steps_and_freezes_is_found_before_prediction_ends(
     times, heaves = heave_in_steps(step, 1)
     frozen = np.where(times > 300.0, heaves[times <= 300.0][-1], heaves)
     assert 0.0 < times_lost(times, frozen)[-1] - 300.0 <= 1.5
+
+
+@pytest.mark.parametrize("travel", [0.0, 0.02, 0.049])
+def test_a_sensor_that_falls_silent_is_stale_and_not_delayed_by_the_time_that_its_readings_travel(travel):
+    gate = make_gate()
+    for k in range(1, 40):
+        if k < 20:
+            gate.judge(k * DT, k * DT - travel, (0.1 * k,))
+        gate.tick(k * DT)
+        assert gate.level == OK or gate.reason == "stale"
+    assert gate.level == LOST

@@ -134,7 +134,7 @@ void tick_gate(const Health &health, const Sensor &sensor, SensorGate &gate, dou
     if (std::isnan(gate.started)) gate.started = now;
     const double newest = std::isnan(gate.newest_accepted) ? gate.started : gate.newest_accepted, age = now - newest;
     if (age <= largest_age(health, sensor, gate) + health.rounding || gate.bad_in_a_row != 0.0) return;
-    const double usual = health.stale_samples * gate.interval.value + health.rounding;
+    const double usual = health.late * gate.interval.value + health.rounding;  // else a silence would begin as a delay
     const int reason = now - gate.newest_arrival <= usual ? DELAYED : STALE;
     if (gate.reason != reason) gate.delayed_since = now;
     gate.level = SENSOR_LOST;

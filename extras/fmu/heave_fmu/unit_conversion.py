@@ -6,6 +6,7 @@ base units beside it. A unit that an FMU names and does not define is taken wher
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable
 from typing import Any, NamedTuple
 
@@ -60,12 +61,12 @@ def conversion_of(unit: str, own: Any, definitions: Iterable[Any]) -> tuple[Conv
         powers = {name: getattr(base, name) or 0 for name in _BASE}
         if powers != {name: UNITS[unit].get(name, 0) for name in _BASE}:
             return Conversion(), f"is in {declared}, and the message in {unit}: they are not of one kind"
-        return Conversion(_number(base.factor, 1.0), _number(base.offset, 0.0)), ""
+        factor = 1.0 if base.factor is None else float(base.factor)
+        offset = 0.0 if base.offset is None else float(base.offset)
+        if factor == 0.0 or not math.isfinite(factor + offset):
+            return Conversion(), f"is in {declared}, whose factor {factor:g} and offset {offset:g} convert nothing"
+        return Conversion(factor, offset), ""
     for units in NAMED_UNITS.values():
         if declared in units and unit in units:
             return Conversion(units[declared] / units[unit]), ""
     return Conversion(), f"is in {declared}, which the FMU does not define; the message is in {unit}"
-
-
-def _number(value: Any, default: float) -> float:
-    return default if value is None else float(value)

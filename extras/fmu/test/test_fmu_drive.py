@@ -141,6 +141,7 @@ def test_declared_units_and_the_scale_of_a_map_are_converted(stranger):
     ("unit", "definitions", "words"),
     [
         ("mm/s2", '<Unit name="mm/s2"><BaseUnit m="1" s="-2" factor="0.001"/></Unit>', "not of one kind"),
+        ("zero", '<Unit name="zero"><BaseUnit m="1" s="-1" factor="0"/></Unit>', "convert nothing"),
         ("furlong", "", "does not define"),
         ("mm", "", "does not define"),
     ],
