@@ -93,8 +93,8 @@ def all_close(actual: Any, desired: Any, rtol: float = 1e-7, atol: float = 0.0, 
     errors[np.broadcast_to(np.isnan(sizes), errors.shape) & np.isnan(np.atleast_1d(actual))] = 0.0  # as numpy does
     if errors.size:
         sizes = np.broadcast_to(sizes, errors.shape)
-        tolerances = np.maximum(atol + rtol * sizes, sys.float_info.min)
-        at = int(np.argmax(np.nan_to_num(errors / tolerances, nan=np.inf)))
+        tolerances = atol + rtol * sizes
+        at = int(np.argmax(np.nan_to_num(errors / np.maximum(tolerances, sys.float_info.min), nan=np.inf)))
         numbers = (float(values.flat[at]) for values in (sizes, errors, tolerances))
         note(*numbers, errors.size, is_relative=atol == 0.0)
     _all_close(actual, desired, rtol=rtol, atol=atol, **options)

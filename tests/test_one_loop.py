@@ -76,7 +76,7 @@ def compare(bag: Path) -> None:
     estimates = [list(m.estimate) for _, m in recorded.decoded(["controller/state"])]
     assert estimates == reported
     unit = [m.pose.pose.position.z for _, m in recorded.decoded(["unit/odometry"])]
-    np.testing.assert_array_equal(unit, record.column("unit"))
+    np.testing.assert_allclose(unit, record.column("unit"), rtol=0.0)
     start, end = 0.5 * scenario.run.duration, scenario.run.duration
     of_bag = read_run(bag).kpis(start, end)
     of_loop = kpi_set.evaluate(run_signals(record, parameters), start, end)

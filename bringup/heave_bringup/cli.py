@@ -23,6 +23,8 @@ from heave_bringup.parser import make_parser
 
 FULL = (errno.ENOSPC, errno.EDQUOT)
 """Errors of a disk that is full: they come without the file's name."""
+_OF_ROS = {"PYTHONPATH": "rclpy", "LD_LIBRARY_PATH": "librcl.so", "AMENT_PREFIX_PATH": "share/rclpy"}
+"""Variables that the setup of a ROS extends, and what one of their folders holds where it does."""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -34,6 +36,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         raise_interrupts()  # nodes are ended in order
         if words := leave_out_other_ros(os.environ, sys.path):
             sys.stderr.write(f"heave: {words}\n")
+            if arguments is None and "LD_LIBRARY_PATH" in words:  # which the loader reads at the start of a process
+                os.execv(sys.executable, sys.orig_argv)
         return _main(arguments)
     except KeyboardInterrupt:
         return _exit_with("interrupted", ExitStatus.INTERRUPTED)
@@ -103,22 +107,32 @@ def _refused_by_the_system(error: OSError) -> int:
 
 
 def leave_out_other_ros(environment: MutableMapping[str, str], path: list[str]) -> str:
-    """Take folders with another ROS off PYTHONPATH in the `environment` and off the `path` of modules, in place.
+    """Take folders with another ROS out of the `environment` and off the `path` of modules, in place.
 
     Returns in words which, "" where there is none. Where the suite has no ROS but that of PYTHONPATH, as built by
     colcon, that one stays.
     """
-    given = [folder for folder in environment.get("PYTHONPATH", "").split(os.pathsep) if folder]
-    others = [folder for folder in given if _has_ros(folder)]
-    if not others or not any(_has_ros(folder) for folder in path if folder and folder not in given):
+    given = environment.get("PYTHONPATH", "").split(os.pathsep)
+    if not any((Path(folder) / "rclpy").is_dir() for folder in path if folder and folder not in given):
         return ""
-    environment["PYTHONPATH"] = os.pathsep.join(folder for folder in given if folder not in others)
-    path[:] = [folder for folder in path if folder not in others]
-    return f"PYTHONPATH names another ROS, {', '.join(others)}: left out, for it hides the one of this installation"
+    others = {name: _others(environment.get(name, ""), mark) for name, mark in _OF_ROS.items()}
+    middleware, libraries = environment.get("RMW_IMPLEMENTATION"), Path(sys.prefix) / "lib"
+    if middleware and (libraries / "librmw.so").exists() and not (libraries / f"lib{middleware}.so").exists():
+        others["RMW_IMPLEMENTATION"] = [middleware]
+    others = {name: folders for name, folders in others.items() if folders}
+    for name, folders in others.items():
+        kept = [folder for folder in environment.pop(name).split(os.pathsep) if folder not in folders]
+        environment.update({name: os.pathsep.join(kept)} if kept else {})
+    path[:] = [folder for folder in path if folder not in others.get("PYTHONPATH", ())]
+    found = "; ".join(f"{name} {', '.join(folders)}" for name, folders in others.items())
+    return f"another ROS is sourced in this shell, and hides this installation's: left out: {found}" if found else ""
 
 
-def _has_ros(folder: str) -> bool:
-    return (Path(folder) / "rclpy").is_dir()
+def _others(folders: str, mark: str) -> list[str]:
+    """Return those of the `folders` of a variable that hold a `mark` of ROS and are not of this installation."""
+    own = Path(sys.prefix)
+    every = [folder for folder in folders.split(os.pathsep) if folder and not Path(folder).is_relative_to(own)]
+    return [folder for folder in every if (Path(folder) / mark).exists()]
 
 
 if __name__ == "__main__":

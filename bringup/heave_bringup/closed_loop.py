@@ -34,24 +34,9 @@ from winch_controller_node.node_parameters import WinchControllerParameters
 from heave_bringup.scenarios import Scenario
 
 COLUMNS = (
-    "time",
-    "boom_tip",
-    "unit",
-    "uncompensated",
-    "payout",
-    "payout_rate",
-    "payout_acceleration",
-    "top_tension",
-    "largest_top_tension",
-    "authority",
-    "depth_set_point",
-    "touchdown_force",
-    "unit_rate",
-    "uncompensated_tension",
-    "uncompensated_largest_tension",
-    "slack_segments",
-    "limits_hit",
-    "unit_tension",
+    *("time", "boom_tip", "unit", "uncompensated", "payout", "payout_rate", "payout_acceleration", "top_tension"),
+    *("largest_top_tension", "authority", "depth_set_point", "touchdown_force", "unit_rate"),
+    *("uncompensated_tension", "uncompensated_largest_tension", "slack_segments", "limits_hit", "unit_tension"),
 )
 
 
@@ -78,8 +63,8 @@ class LoopRecord:
 
     def column(self, name: str, *, after: float = 0.0) -> Array:
         """Return the column `name`, one of COLUMNS, of the record from a time `after` [s] on."""
-        column: Array = self.rows[self.rows[:, 0] >= after, COLUMNS.index(name)]
-        return column
+        first = np.searchsorted(self.rows[:, 0], after)
+        return self.rows[first:, COLUMNS.index(name)].copy()
 
     def unit_sigma(self, after: float) -> float:
         """Standard deviation of the unit's heave from the time `after` [s] on [m], less a moving mean depth."""

@@ -1,6 +1,8 @@
 """A shell in which another ROS is sourced."""
 
 import os
+import sys
+from pathlib import Path
 
 import pytest
 from heave_bringup.cli import leave_out_other_ros
@@ -21,6 +23,28 @@ def test_another_ros_is_named_and_left_out_here_and_for_the_nodes(folders):
     assert folders["humble"] in words
     assert environment["PYTHONPATH"] == folders["mine"]
     assert path == ["", folders["mine"], folders["own"]]
+
+
+def test_its_libraries_and_packages_are_left_out_too(folders, tmp_path):
+    """A sourced setup names them as well, and the loader takes its libraries before those of this installation."""
+    (tmp_path / "humble" / "librcl.so").touch()
+    (tmp_path / "humble" / "share" / "rclpy").mkdir(parents=True)
+    environment = {
+        "LD_LIBRARY_PATH": os.pathsep.join([folders["mine"], folders["humble"]]),
+        "AMENT_PREFIX_PATH": folders["humble"],
+    }
+    words = leave_out_other_ros(environment, [folders["own"]])
+    assert words.count(folders["humble"]) == 2
+    assert environment == {"LD_LIBRARY_PATH": folders["mine"]}
+
+
+@pytest.mark.skipif(not (Path(sys.prefix) / "lib" / "librmw.so").exists(), reason="ROS is not from wheels")
+def test_a_middleware_that_this_installation_does_not_have_is_left_out(folders):
+    environment = {"RMW_IMPLEMENTATION": "rmw_cyclonedds_cpp"}
+    assert "RMW_IMPLEMENTATION rmw_cyclonedds_cpp" in leave_out_other_ros(environment, [folders["own"]])
+    assert environment == {}
+    environment = {"RMW_IMPLEMENTATION": "rmw_fastrtps_cpp"}
+    assert leave_out_other_ros(environment, [folders["own"]]) == ""
 
 
 @pytest.mark.parametrize("given", [[], ["mine"]])

@@ -91,6 +91,14 @@ def test_a_cut_line_loses_commands_and_a_slow_one_holds_them_back_so_that_later_
     assert effects == pytest.approx([14.0, 59.0, 69.0])
 
 
+def test_a_fault_of_jitter_holds_each_command_back_by_its_own_time():
+    commands, faults = line()
+    faults.inject("jitter", start=0.0, magnitude=0.4)
+    lates, _ = sent(commands, range(0, 1000, 20))
+    assert len(set(lates)) > 40
+    assert all(0.2 <= late * TICK <= 0.6 for late in lates)
+
+
 @pytest.mark.parametrize(
     ("time", "rounded"), [(3.0 + 1e-7, 3.0), (3.0 - 1e-7, 3.0), (3.00001, 3.00001), (2.99999, 2.99999), (0.5, 0.5)]
 )

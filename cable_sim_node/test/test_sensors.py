@@ -90,7 +90,8 @@ def test_noise_is_white_normal_and_of_the_stated_deviation() -> None:
     readings = run(Probe(rate=20.0, sigma=sigma), 20_000)
     errors = np.array([reading.value[0] - reading.time for _, reading in readings])
     low, high = stats.chi2.ppf([0.0005, 0.9995], len(errors)) / len(errors)
-    assert low < np.mean(errors**2) / sigma**2 < high
+    middle = 0.5 * (low + high)
+    assert np.mean(errors**2) / sigma**2 == pytest.approx(middle, abs=high - middle)
     assert stats.kstest(errors / sigma, "norm").pvalue > 1e-3
     assert abs(np.corrcoef(errors[1:], errors[:-1])[0, 1]) < 4.0 / math.sqrt(len(errors))
     assert all(reading.sigma[0] == sigma for _, reading in readings)
@@ -157,7 +158,16 @@ def test_fault_without_duration_lasts_to_the_end() -> None:
     assert all(r.value[0] == pytest.approx(r.time + 1.0) for _, r in readings if r.time > 2.0 - 1e-9)
 
 
-@pytest.mark.parametrize("kind", ["freeze", "gap", "spike", "jump", "scale", "nan", "rate", "delay"])
+def test_jitter_fault_makes_readings_late_each_by_its_own_time_and_keeps_their_stamps() -> None:
+    lates = {round(r.time, 9): tick * TICK - r.time for tick, r in run(with_fault("jitter", magnitude=0.5), 200)}
+    jittered = [late for stamp, late in lates.items() if 2.0 <= stamp < 3.0]
+    assert len(jittered) == 10
+    assert len({round(late, 9) for late in jittered}) > 3
+    assert all(0.1 - 1e-9 <= late <= 0.6 + TICK for late in jittered)  # latency, and the tick in which it arrives
+    assert all(late == pytest.approx(0.1) for stamp, late in lates.items() if not 2.0 <= stamp < 3.0)
+
+
+@pytest.mark.parametrize("kind", ["freeze", "gap", "spike", "jump", "scale", "nan", "rate", "delay", "jitter"])
 def test_fault_of_one_sensor_leaves_the_noise_of_all_other_samples_as_it_was(kind: str) -> None:
     def errors(parameters: Probe) -> dict[float, float]:
         return {r.time: r.value[0] for _, r in run(parameters, 200) if not 1.99 < r.time < 3.01}
@@ -281,7 +291,7 @@ def test_dvl_has_no_reading_above_its_bottom_range() -> None:
 
 
 FAULT = st.tuples(
-    st.sampled_from(["freeze", "gap", "spike", "jump", "scale", "nan", "rate", "delay"]),
+    st.sampled_from(["freeze", "gap", "spike", "jump", "scale", "nan", "rate", "delay", "jitter"]),
     st.floats(0.0, 10.0),
     st.floats(0.0, 5.0),
     st.floats(0.1, 30.0),

@@ -15,6 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from heave_node.loads.cycles import reversals
 from heave_node.numerics.arrays import Array
 
 AT_LIMIT = 0.999
@@ -97,13 +98,27 @@ def window_ratios(
     first = int(np.searchsorted(times, begin))
     if not 0 < count <= times.size - first:
         return np.empty(0), np.empty(0)
-    starts = np.arange(first, times.size - count + 1, max(1, round(1.0 / period)))
-    deviations = [
-        np.lib.stride_tricks.sliding_window_view(np.asarray(values, dtype=float), count)[starts].std(axis=1)
-        for values in (unit, uncompensated)
-    ]
+    step = max(1, round(1.0 / period))
+    starts = np.arange(first, times.size - count + 1, step)
+    sigmas = [_window_sigmas(np.asarray(values, dtype=float)[first:], count, step) for values in (unit, uncompensated)]
     with np.errstate(divide="ignore", invalid="ignore"):
-        return times[starts], deviations[0] / np.maximum(deviations[1], floor)
+        return times[starts], sigmas[0] / np.maximum(sigmas[1], floor)
+
+
+def _window_sigmas(values: Array, count: int, step: int) -> Array:
+    """Return the standard deviations of `values` over windows of `count` samples, one every `step` samples.
+
+    Blocks that the windows share are squared once: n s^2 of a window is the sum over its blocks of n_b s_b^2 and of
+    n_b (mean_b - mean)^2, as exact as from the samples (Chan, Golub and LeVeque, The American Statistician 37 (1983)).
+    """
+    size = math.gcd(count, step)
+    blocks = values[: values.size // size * size].reshape(-1, size)
+    shape = count // size, step // size
+    means, squares = (
+        np.lib.stride_tricks.sliding_window_view(of, shape[0])[:: shape[1]]
+        for of in (blocks.mean(axis=1), blocks.var(axis=1))
+    )
+    return np.asarray(np.sqrt(means.var(axis=1) + squares.mean(axis=1)))
 
 
 def max_abs(values: ArrayLike) -> float:
@@ -309,7 +324,7 @@ def rope_wear(time: ArrayLike, payout: ArrayLike) -> RopeWear:
     if values.size < 2 or not times[-1] > times[0]:
         return RopeWear(math.nan, math.nan, math.nan)
     per_hour = 3600.0 / float(times[-1] - times[0])
-    swings = _after_play(values, BENDING_STROKE)
+    swings = _after_play(reversals(values), BENDING_STROKE)  # play asks for turns alone
     directions = np.sign(np.diff(swings))
     turns = np.diff(directions[directions != 0.0])
     return RopeWear(

@@ -16,6 +16,7 @@ from heave_node.interface.topic import Topic
 from heave_node.parameters import Given, build_given, describe, parameter
 from heave_node.system_parameters import take_system
 from heave_node.tick.clock_rule import Stamping, parse_clock
+from heave_node.tick.time_budget import TimeBudget, budget_of
 
 LOCKSTEP = "lockstep"
 REALTIME = "realtime"
@@ -59,6 +60,11 @@ class RunParameters:
     in_tick_wait: float = parameter(0.4, "", 0.0, 0.9,
         "Real time: fraction of the tick for which a node waits for inputs; then it uses the newest.")  # fmt: skip
 
+    time_budgets: tuple[str, ...] = parameter((),
+        description="Real time: largest period of a node's ticks, age of a tick at its answer, and processor time in a "
+        "tick, as NODE=QUANTITY:S with period, age or work; all=... for every node. Beyond: a warning in diagnostics.",
+    )  # fmt: skip
+
     def __post_init__(self) -> None:
         if self.external and self.pacing != REALTIME:
             raise ValueError(
@@ -72,6 +78,7 @@ class RunParameters:
             raise ValueError(
                 f"realtime_priority = {self.realtime_priority} needs pacing: realtime (`heave run --pacing realtime`)"
             )
+        self.time_budget_of("")
         for node, _ in map(parse_clock, self.external_clocks):
             if node not in self.external:
                 raise ValueError(f"external_clocks names {node}, which is not external: {list(self.external)}")
@@ -84,6 +91,10 @@ class RunParameters:
         """Return how the external publisher of `topic` stamps, as declared for the topic or for its node."""
         declared = dict(map(parse_clock, self.external_clocks))
         return declared.get(topic.name, declared.get(topic.publisher, Stamping()))
+
+    def time_budget_of(self, node: str) -> TimeBudget:
+        """Return the budget of time of a `node`."""
+        return budget_of(node, self.time_budgets)
 
     @cached_property
     def tick_nanoseconds(self) -> int:

@@ -99,11 +99,12 @@ def system_names(node: str, own_names: Collection[str]) -> dict[str, str]:
     node : name of the node
     own_names : dotted names of its parameters
     """
-    return dict(_system_names(node, tuple(own_names)))
+    return dict(_names_of(node, tuple(own_names))[0])
 
 
 @lru_cache(maxsize=256)
-def _system_names(node: str, own_names: tuple[str, ...]) -> Mapping[str, str]:
+def _names_of(node: str, own_names: tuple[str, ...]) -> tuple[Mapping[str, str], Mapping[str, str]]:
+    """Return the shared names that a node takes, and of these those that it owns, each with the node's own name."""
     names: dict[str, str] = {}
     single = _single_names(node)
     for shared in (shared for shared in SHARED if node in shared.own):
@@ -111,7 +112,9 @@ def _system_names(node: str, own_names: tuple[str, ...]) -> Mapping[str, str]:
         for name in own_names:
             if name == mine or (mine.endswith(".") and name.startswith(mine) and name not in single):
                 names[f"{SYSTEM}{shared.word}{name.removeprefix(mine)}"] = name
-    return names
+    words = tuple(shared for shared in SHARED if shared.owner == node)
+    owned = {name for name in names if any(shared.covers(name.removeprefix(SYSTEM)) for shared in words)}
+    return names, {name: own for name, own in names.items() if name in owned}
 
 
 @lru_cache(maxsize=64)
@@ -138,23 +141,8 @@ def own_name(node: str, name: str) -> str:
 
 
 def owned_names(node: str, own_names: Collection[str]) -> dict[str, str]:
-    """Return the shared names that a node owns, each with the node's own name for it.
-
-    Parameters
-    ----------
-    node : name of the node
-    own_names : dotted names of its parameters
-    """
-    return dict(_owned_names(node, tuple(own_names)))
-
-
-@lru_cache(maxsize=256)
-def _owned_names(node: str, own_names: tuple[str, ...]) -> Mapping[str, str]:
-    owned = [shared for shared in SHARED if shared.owner == node]
-    names = _system_names(node, own_names)
-    return {
-        name: own for name, own in names.items() if any(shared.covers(name.removeprefix(SYSTEM)) for shared in owned)
-    }
+    """Return those of `system_names` that the node owns."""
+    return dict(_names_of(node, tuple(own_names))[1])
 
 
 def take_system(node: str, own_names: Collection[str], given: Mapping[str, Given]) -> dict[str, Given]:

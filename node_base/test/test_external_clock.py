@@ -41,6 +41,13 @@ def test_an_own_clock_is_read_to_within_its_least_delay_and_a_millisecond(offset
     assert clock.jitter == pytest.approx(0.002, rel=0.3), "the standard deviation of that distribution is its mean"
 
 
+def test_a_better_offset_puts_no_message_before_one_that_was_measured_earlier():
+    """The first two of a run come 50 ms late, the third with the second: it was taken for one out of order."""
+    errors = play(ExternalClock(), offset=-1.7e9, drift=0.0, delays=np.array([0.05, 0.05, 0.03, 0.03, 0.01]), rate=50.0)
+    assert np.diff(errors).min() > -1.0 / 50.0
+    assert errors[-1] == pytest.approx(0.01, abs=1e-6)
+
+
 def test_a_drift_of_days_does_not_add_up():
     clock = ExternalClock(ClockRule.OWN)
     errors = play(clock, offset=-1.7e9, drift=50e-6, delays=np.zeros(200_000), rate=1.0)

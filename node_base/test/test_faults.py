@@ -44,6 +44,22 @@ def test_magnitudes_of_faults_that_are_active_together_add_up_and_the_newest_rat
     assert [faults.newest("rate", time) for time in (0.5, 1.5, 2.5)] == [5.0, 2.0, 5.0]
 
 
+def test_jitter_is_uniform_up_to_its_magnitude_beside_a_delay_and_that_of_its_seed():
+    columns = FaultParameters(("jitter", "delay"), (1.0, 0.0), (1.0, 0.0), (0.2, 0.5))
+    runs = [
+        np.array([schedule.lateness(1.0) - 0.5 for _ in range(2000)])
+        for seed in (1, 1, 2)
+        for schedule in [FaultSchedule(columns, name="probe", device="sensor", seed=seed)]
+    ]
+    np.testing.assert_array_equal(runs[0], runs[1])
+    assert not np.array_equal(runs[0], runs[2])
+    assert runs[0].min() >= 0.0
+    assert runs[0].max() <= 0.2
+    # mean and deviation of a uniform distribution, within four of their own deviations for 2,000 draws
+    assert (runs[0].mean(), runs[0].std()) == pytest.approx((0.1, 0.2 / math.sqrt(12.0)), abs=0.0052)
+    assert FaultSchedule(columns, name="probe", device="sensor").lateness(2.5) == 0.5
+
+
 @pytest.mark.parametrize("device", DEVICES)
 def test_clear_ends_every_fault_that_is_active_and_leaves_later_ones(device):
     kind = faults_of(device)[0]
@@ -84,6 +100,7 @@ def test_what_happens_once_is_taken_once():
         ("mru", ("scale", 0.0, 1.0, 0.0), "the magnitude of kind scale must be a factor that is not 0"),
         ("sensor", ("delay", 0.0, 1.0, -0.1), "the magnitude of kind delay must be from 0 to inf s; got -0.1"),
         ("mru", ("delay", 0.0, 1.0, 11.0), "the magnitude of kind delay must be from 0 to 10 s; got 11"),
+        ("winch", ("jitter", 0.0, 1.0, -0.1), "the magnitude of kind jitter must be from 0 to inf s; got -0.1"),
     ],
 )
 def test_a_fault_that_cannot_be_is_refused_in_one_line(device, fault, message):

@@ -195,5 +195,6 @@ def test_lqg_on_the_lumped_mass_plant_leaves_what_the_lyapunov_equation_predicts
     squares = np.array([np.mean(block**2) for block in np.array_split(heave - heave.mean(), 10)])
     low, high = stats.t.interval(0.99, len(squares) - 1, squares.mean(), stats.sem(squares))
     # the plant is not the model: the cable has more than one mode, and drag is quadratic
-    assert 0.8 * math.sqrt(max(low, 0.0)) < predicted < 1.2 * math.sqrt(high)
+    bounds = 0.8 * math.sqrt(max(low, 0.0)), 1.2 * math.sqrt(high)
+    assert predicted == pytest.approx(0.5 * sum(bounds), abs=0.5 * (bounds[1] - bounds[0]))
     assert math.sqrt(high) < 0.006, "an interval that says something: uncompensated it is 0.3 m"

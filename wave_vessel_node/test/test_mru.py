@@ -229,6 +229,16 @@ def test_a_transport_delay_holds_readings_back_with_honest_stamps():
     assert stamps == sorted(set(stamps))
 
 
+def test_jitter_makes_readings_late_and_keeps_their_stamps():
+    readings = run(MruParameters(faults=fault("jitter", 0.0, 10.0, 0.3), **SILENT), 100, sine(0.7))
+    came = [(tick * DT - reading.time, reading) for tick, reading in enumerate(readings, 1) if reading]
+    lates = {round(late / DT) for late, _ in came}  # one that is older than the last one is not delivered
+    assert {0, 1, 2, 3} <= lates <= set(range(7))
+    assert all(reading.heave == pytest.approx(math.sin(0.7 * reading.time)) for _, reading in came)
+    stamps = [reading.time for _, reading in came]
+    assert stamps == sorted(set(stamps))
+
+
 def test_what_holds_can_be_cleared():
     unit = MotionReferenceUnit(MruParameters(**SILENT), seed=1, tick_period=DT)
     unit.faults.inject("gap", start=0.0)

@@ -194,7 +194,7 @@ def test_an_mru_that_was_frozen_is_read_again_once_it_moves(lasting):
 
 @pytest.mark.parametrize(("stands", "is_lost"), [(240, False), (401, True)])
 def test_a_sensor_may_stand_before_its_first_step_for_as_long_as_no_compensation_can_begin(stands, is_lost):
-    """A sea that rises from rest, by an MRU of 1 cm without noise: nothing tells yet how large its steps are."""
+    """A sea that rises from rest, by an MRU of 1 cm without noise: how large its steps are is not known yet."""
     gate, steps = SensorGate("mru", SensorTiming(DT), HealthParameters()), MruSteps()
     levels = []
     for k in range(stands + 400):

@@ -34,7 +34,7 @@ class CommandLine:
     Parameters
     ----------
     parameters : with delay and jitter
-    faults : of the winch: `gap` loses commands, `delay` holds them back
+    faults : of the winch: `gap` loses commands, `delay` and `jitter` hold them back
     tick_period : [s]
     seed : of the jitter
     """
@@ -53,7 +53,7 @@ class CommandLine:
         if command is None or command == self._newest_sent or self._faults.is_active("gap", time):
             return
         self._newest_sent = command
-        effect = tick + (self._delay + self._faults.total("delay", time)) / self._tick_period
+        effect = tick + (self._delay + self._faults.lateness(time)) / self._tick_period
         if self._jitter > 0.0:
             before = self._under_way[-1][0] if self._under_way else 0.0
             jitter = self._jitter * self._random.uniform(-1.0, 1.0)

@@ -147,7 +147,7 @@ class VirtualWinch:
         self._parameters = parameters
         self._drive: Drive | None = make_drive(parameters, 0.0) if parameters.drive == SERVO else None
         self._tick_period = tick_period
-        self.faults = FaultSchedule(parameters.faults, name="winch", device="winch")
+        self.faults = FaultSchedule(parameters.faults, name="winch", device="winch", seed=seed)
         self._drum = FaultyDrum(parameters, self.faults)
         self._supervision = MotionSupervision(parameters.supervision_time)
         self._sound = SpeedServo(sound := replace(parameters, speed_gain=1.0))

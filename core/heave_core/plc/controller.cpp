@@ -114,9 +114,13 @@ void continue_filter(Memory &m, int tick) {
     FilterState &state = m.filter_state;
     double x[STATES], streams[MEASUREMENTS];
     const int n = m.filter.states;
-    std::copy_n(state.x, n, x), std::copy_n(state.P, n * n, m.work.P), std::copy_n(state.streams, MEASUREMENTS, streams);
+    std::copy_n(state.x, n, x);
+    std::copy_n(state.P, n * n, m.work.P);
+    std::copy_n(state.streams, MEASUREMENTS, streams);
     begin_filter(m.filter, state);
-    std::copy_n(x, n, state.x), std::copy_n(m.work.P, n * n, state.P), std::copy_n(streams, MEASUREMENTS, state.streams);
+    std::copy_n(x, n, state.x);
+    std::copy_n(m.work.P, n * n, state.P);
+    std::copy_n(streams, MEASUREMENTS, state.streams);
     const FilterTick step{double(tick), 0.0, 0.0};
     run_filter(m.filter, state, &step, 1, nullptr, nullptr);
 }
@@ -141,7 +145,9 @@ void begin_to_follow(Memory &m) {
     continue_at(IMAGE.look.cable, m.look.hanging, {x[int(IMAGE.look.unit)], x[int(IMAGE.look.unit_rate)]});
     MeanPayout &left_over = m.motion.left_over;
     stand_at(left_over, motions.payout - m.decided.authority * motions.tip);
-    left_over.move.kind = GO, left_over.move.speed = IMAGE.return_speed, left_over.move.distance = -left_over.payout;
+    left_over.move.kind = GO;
+    left_over.move.speed = IMAGE.return_speed;
+    left_over.move.distance = -left_over.payout;
     restart_law(m.law);
 }
 
@@ -149,7 +155,8 @@ void begin_to_follow(Memory &m) {
 void change_mode(Memory &m, int before, int mode) {
     if (before == IN_STOPPED && mode == IN_STANDBY) find_drum(m);
     if (is_braked(m.mode)) {
-        stand_at(m.motion.mean, m.motion.mean.payout), stand_at(m.motion.carried, m.motion.carried.payout);
+        stand_at(m.motion.mean, m.motion.mean.payout);
+        stand_at(m.motion.carried, m.motion.carried.payout);
         note_move(m, STAND);
     } else if (mode != IN_COMPENSATING) {
         m.motion.mean.move.kind = m.motion.carried.move.kind = STOP_MOVE;
@@ -164,7 +171,9 @@ void change_mode(Memory &m, int before, int mode) {
 void sense_tick(Memory &m, const HeaveReading *readings, int count, const HeaveWinch &winch) {
     const bool may_use = begin_at_count(m, winch);
     LookAt given{};
-    given.number = m.number, given.compensating = m.command.compensating, given.mean = m.command.mean;
+    given.number = m.number;
+    given.compensating = m.command.compensating;
+    given.mean = m.command.mean;
     given.unit_stands = m.decided.unit_stands;
     given.winch_time = NOT_KNOWN;
     for (int i = 0; i < count; i++) {
@@ -173,7 +182,9 @@ void sense_tick(Memory &m, const HeaveReading *readings, int count, const HeaveW
     }
     given.readings = count;
     if (winch.is_new && may_use) {
-        given.has_winch = 1.0, given.winch_time = winch.time, given.encoder = winch.payout;
+        given.has_winch = 1.0;
+        given.winch_time = winch.time;
+        given.encoder = winch.payout;
         given.is_driven = !winch.brake && winch.fault == 0;
     }
     const Core core{IMAGE.sense, m.filter, IMAGE.look, m.motion, m.sense, m.filter_state, m.look};
@@ -185,25 +196,35 @@ void sense_tick(Memory &m, const HeaveReading *readings, int count, const HeaveW
 void prove_tick(Memory &m, int count, const HeaveWinch &winch) {
     ProofSeen seen{};
     seen.latest = m.number * IMAGE.sense.tick_period + IMAGE.sense.health.stamp_tolerance;
-    seen.has_winch = winch.is_new, seen.winch_time = winch.time, seen.encoder = winch.payout, seen.encoder_rate = winch.rate;
+    seen.has_winch = winch.is_new;
+    seen.winch_time = winch.time;
+    seen.encoder = winch.payout;
+    seen.encoder_rate = winch.rate;
     seen.is_braked = m.sent[2];
     seen.waits = m.mode.mode == IN_STANDBY && m.mode.wants;
     seen.hangs = hangs(m.landing);
     seen.has_mru = !(int(m.tick.lost_sensors) >> IMAGE.sense.mru & 1) && m.sense.excluded != IMAGE.sense.mru;
-    seen.runs = m.is_taken_over && m.cause == BRAKE_SLIPS, seen.has_swung = m.is_taken_over && m.cause == HARM;
+    seen.runs = m.is_taken_over && m.cause == BRAKE_SLIPS;
+    seen.has_swung = m.is_taken_over && m.cause == HARM;
     prove(IMAGE.proofs, seen, m.work.delivered, count, m.proofs, m.work.proofs);
 }
 
 // Orders of the last seconds beside what the encoder made of them.
 void watch_orders(Memory &m, const HeaveWinch &winch) {
     WinchSeen seen{};
-    seen.has_state = winch.is_new, seen.given = m.number > 1 ? m.number - 1 : NOT_KNOWN;
+    seen.has_state = winch.is_new;
+    seen.given = m.number > 1 ? m.number - 1 : NOT_KNOWN;
     if (winch.is_new) {
         m.fault = winch.fault;
-        seen.taken = winch.sequence, seen.at_end = winch.limits_hit & IMAGE.payout_limit, seen.is_limited = winch.limits_hit != 0;
+        seen.taken = winch.sequence;
+        seen.at_end = winch.limits_hit & IMAGE.payout_limit;
+        seen.is_limited = winch.limits_hit != 0;
     }
-    seen.payout = m.sent[0], seen.rate = m.sent[1], seen.brake = m.sent[2];
-    seen.reading = m.tick.encoder_payout, seen.tension = m.tick.tension;
+    seen.payout = m.sent[0];
+    seen.rate = m.sent[1];
+    seen.brake = m.sent[2];
+    seen.reading = m.tick.encoder_payout;
+    seen.tension = m.tick.tension;
     watch_winch(IMAGE.winch_watch, m.winch_watch, {m.drum_rows, m.work.drum}, m.minute, seen);
 }
 
@@ -220,11 +241,14 @@ void decide(Memory &m) {
     seen.speed = makes_own                       ? INFINITE
                  : IMAGE.winch.is_first_order    ? std::abs(m.tick.motions.total_payout_rate)
                                                  : std::abs(m.command.value - m.command.standing);
-    seen.mean_payout = m.motion.mean.payout, seen.mean_acceleration = m.motion.mean.move.slope;
-    seen.settled_swing = IMAGE.settled_swing, seen.share = IMAGE.share;
+    seen.mean_payout = m.motion.mean.payout;
+    seen.mean_acceleration = m.motion.mean.move.slope;
+    seen.settled_swing = IMAGE.settled_swing;
+    seen.share = IMAGE.share;
     seen.drum_error = IMAGE.identifies_winch ? m.winch_watch.error : 0.0;
     seen.is_certain = link.is_cut != 0 || link.overdue > IMAGE.largest_delay;
-    seen.envelope = m.is_taken_over, seen.is_proved = !is_gate_closed(m.proofs);
+    seen.envelope = m.is_taken_over;
+    seen.is_proved = !is_gate_closed(m.proofs);
     seen.cell_jumped = (int(m.order.bits) & LOAD_IS_OFF) != 0;
     supervise(supervising(m, seen), m.work.depths);
     const int before = int(m.decided.before), mode = int(m.decided.mode);
@@ -254,16 +278,26 @@ ActSeen act_seen(const Memory &m, const HeaveWinch &winch) {
     const Tick &tick = m.tick;
     const bool is_mru_lost = (int(tick.lost_sensors) >> IMAGE.sense.mru & 1) || m.sense.excluded == IMAGE.sense.mru;
     ActSeen seen{};
-    seen.way = way_of(m), seen.authority = decided.authority;
-    seen.compensates = decided.mode == IN_COMPENSATING, seen.fades = decided.mode == IN_FADE_OUT;
-    seen.brake = decided.is_braked, seen.is_damped = decided.is_damped;
-    seen.bounds_tension = decided.bounds_tension, seen.unit_stands = decided.unit_stands;
-    seen.knows_tip = tick.knows_tip, seen.has_depth = tick.has_depth, seen.sees_landing = tick.sees_landing;
-    seen.follows_tip = !is_mru_lost, seen.mru_rate = tick.mru_rate;
-    seen.tension = tick.tension, seen.filtered_tension = tick.filtered_tension, seen.static_tension = IMAGE.static_tension;
+    seen.way = way_of(m);
+    seen.authority = decided.authority;
+    seen.compensates = decided.mode == IN_COMPENSATING;
+    seen.fades = decided.mode == IN_FADE_OUT;
+    seen.brake = decided.is_braked;
+    seen.is_damped = decided.is_damped;
+    seen.bounds_tension = decided.bounds_tension;
+    seen.unit_stands = decided.unit_stands;
+    seen.knows_tip = tick.knows_tip;
+    seen.has_depth = tick.has_depth;
+    seen.sees_landing = tick.sees_landing;
+    seen.follows_tip = !is_mru_lost;
+    seen.mru_rate = tick.mru_rate;
+    seen.tension = tick.tension;
+    seen.filtered_tension = tick.filtered_tension;
+    seen.static_tension = IMAGE.static_tension;
     seen.at_limit = winch.is_new && (winch.limits_hit & ~IMAGE.payout_limit);
     seen.stated_payout = m.has_begun ? NOT_KNOWN : m.first_count;
-    seen.scale = m.sense.encoder.scale, seen.offset = m.sense.encoder.offset;
+    seen.scale = m.sense.encoder.scale;
+    seen.offset = m.sense.encoder.offset;
     return seen;
 }
 
@@ -273,7 +307,10 @@ void read_raw(Memory &m, int count, const HeaveWinch &winch) {
     readings.mru_heave = readings.mru_rate = readings.count = readings.load = readings.depth = NOT_KNOWN;
     for (int i = 0; i < count; i++) {
         const Delivered &one = m.work.delivered[i];
-        if (one.sensor == IMAGE.sense.mru && one.status == 0.0) readings.mru_heave = one.value, readings.mru_rate = one.rate;
+        if (one.sensor == IMAGE.sense.mru && one.status == 0.0) {
+            readings.mru_heave = one.value;
+            readings.mru_rate = one.rate;
+        }
         if (one.sensor == IMAGE.sense.load_cell) readings.load = one.value;
         if (one.sensor == IMAGE.sense.depth) readings.depth = one.value;
     }
@@ -306,7 +343,9 @@ void act_tick(Memory &m, int count, const HeaveWinch &winch) {
     leave(on);
     if (m.order.cause != 0.0 && int(m.order.cause) != m.cause) m.is_taken_over = true;
     m.cause = int(m.order.cause);
-    m.sent[0] = m.done.own_payout, m.sent[1] = m.done.own_rate, m.sent[2] = m.done.brake;
+    m.sent[0] = m.done.own_payout;
+    m.sent[1] = m.done.own_rate;
+    m.sent[2] = m.done.brake;
 }
 
 HeaveOrder ordered(const Memory &m) {
@@ -329,7 +368,9 @@ void step(Memory &m, const HeaveReading *readings, int count, const HeaveWinch &
 void begin(Memory &m) {
     std::memset(&m, 0, sizeof m);
     std::memcpy(&m.filter, &IMAGE.filter, sizeof m.filter);
-    m.motion = IMAGE.motion, m.mode = IMAGE.mode, m.place = IMAGE.place;
+    m.motion = IMAGE.motion;
+    m.mode = IMAGE.mode;
+    m.place = IMAGE.place;
     std::memcpy(&m.command_state, &IMAGE.command_state, sizeof m.command_state);
     begin_filter(m.filter, m.filter_state);
     begin_sense(IMAGE.sense, m.sense);

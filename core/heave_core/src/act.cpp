@@ -28,19 +28,24 @@ void fill_loop(const Acting &on) {
     loop.share = knows_tip ? seen.authority : 0.0;
     loop.heave = !knows_tip ? 0.0 : is_held ? motions.taut : motions.released;
     loop.rate = !knows_tip ? 0.0 : is_held ? motions.taut_rate : motions.released_rate;
-    loop.swing = motions.mean_heave, loop.swing_rate = motions.mean_rate;
+    loop.swing = motions.mean_heave;
+    loop.swing_rate = motions.mean_rate;
     loop.is_unseen = is_held && seen.has_depth == 0.0;
     loop.left_over = on.motion->left_over.payout;
     loop.mean_command = reference_command(*on.winch, *on.motion);
     loop.mru_rate = seen.authority * (std::isnan(seen.mru_rate) ? motions.tip_rate : seen.mru_rate);
-    loop.tension = seen.tension, loop.filtered_tension = seen.filtered_tension;
+    loop.tension = seen.tension;
+    loop.filtered_tension = seen.filtered_tension;
     // a winch that gives way to more than compensation can keep would be too late for the next wave
     loop.gives_way = seen.bounds_tension != 0.0 || (seen.compensates == 0.0 && seen.fades == 0.0);
-    loop.bounds_tension = seen.bounds_tension, loop.fades = seen.fades;
+    loop.bounds_tension = seen.bounds_tension;
+    loop.fades = seen.fades;
     loop.is_held = seen.is_damped != 0.0 && !knows_tip;
-    loop.follows_tip = seen.follows_tip, loop.unit_stands = seen.unit_stands;
+    loop.follows_tip = seen.follows_tip;
+    loop.unit_stands = seen.unit_stands;
     const bool is_bounded = on.envelope && on.order->lowest < on.order->highest;  // by the envelope's last tick
-    loop.lowest = is_bounded ? on.order->lowest : -ANY, loop.highest = is_bounded ? on.order->highest : ANY;
+    loop.lowest = is_bounded ? on.order->lowest : -ANY;
+    loop.highest = is_bounded ? on.order->highest : ANY;
 }
 
 // The set-points of the command. A servo on its brake is asked for no speed; the model's command counts what the winch's
@@ -54,11 +59,19 @@ void make_order(const Acting &on) {
     done.moved = advance_motion(on.A, on.B, on.design->states, on.command->mean, is_braked, *on.motion);
     const double mean = motion.mean.payout + motion.left_over.payout + motion.carried.payout;
     const double set_point = done.set_point = std::isnan(seen.stated_payout) ? mean : seen.stated_payout;
-    if (on.winch->is_first_order) done.own_payout = sent, done.own_rate = 0.0;
-    else if (is_braked) done.own_payout = gain > 0.0 ? sent / gain : set_point, done.own_rate = 0.0;
-    else done.own_payout = set_point, done.own_rate = sent - gain * set_point;
+    if (on.winch->is_first_order) {
+        done.own_payout = sent;
+        done.own_rate = 0.0;
+    } else if (is_braked) {
+        done.own_payout = gain > 0.0 ? sent / gain : set_point;
+        done.own_rate = 0.0;
+    } else {
+        done.own_payout = set_point;
+        done.own_rate = sent - gain * set_point;
+    }
     on.readings->payout = count_at(seen, done.own_payout);
-    on.readings->rate = done.own_rate, on.readings->brake = seen.brake;
+    on.readings->rate = done.own_rate;
+    on.readings->brake = seen.brake;
 }
 
 // What was sent takes the place of what was asked: estimate, adviser and the next stop go by it.
@@ -78,7 +91,8 @@ void take_sent(const Acting &on) {
         command.shaped = int(command.shaped) | BY_ENVELOPE;
     }
     command.compensating = command.value - command.mean;
-    state.value = command.value, state.sent = command.sent;
+    state.value = command.value;
+    state.sent = command.sent;
     ActDone &done = *on.done;
     const double more = sent.payout - asked.payout, faster = sent.rate - asked.rate;
     const bool is_known = std::isfinite(more + faster);
@@ -90,7 +104,9 @@ void take_sent(const Acting &on) {
 void send_place(const Acting &on) {
     const ActSeen &seen = *on.seen;
     ActDone &done = *on.done;
-    done.payout = on.order->payout, done.rate = on.order->rate, done.brake = on.order->brake;
+    done.payout = on.order->payout;
+    done.rate = on.order->rate;
+    done.brake = on.order->brake;
     done.mean_payout = count_at(seen, done.set_point);
     if (on.winch->is_first_order) return;
     const bool is_braked = done.brake != 0.0;
@@ -155,9 +171,14 @@ void leave(const Acting &on) {
     Order &sent = *on.order;
     Readings &asked = *on.readings;
     ActDone &done = *on.done;
-    asked.lift_rate = on.motion->carried.move.rate, asked.held_tension = on.state->tension.target;
+    asked.lift_rate = on.motion->carried.move.rate;
+    asked.held_tension = on.state->tension.target;
     if (on.envelope) envelope(*on.envelope, *on.envelope_state, asked, sent);
-    else sent.payout = asked.payout, sent.rate = asked.rate, sent.brake = asked.brake;
+    else {
+        sent.payout = asked.payout;
+        sent.rate = asked.rate;
+        sent.brake = asked.brake;
+    }
     const bool is_same = sent.payout == asked.payout && sent.rate == asked.rate && (sent.brake != 0.0) == (asked.brake != 0.0);
     done.is_replaced = on.envelope && !is_same;
     done.load_news = watch_load(*on.load, *on.load_state, on.seen->tension, on.seen->static_tension, on.seen->at_limit != 0.0) |

@@ -10,7 +10,8 @@ namespace {
 void fail(int why, int harm, AttemptState &state) {
     begin_inhibition(why, state);
     state.harm = harm;
-    state.doubt_before = state.doubt, state.doubt += 1.0;
+    state.doubt_before = state.doubt;
+    state.doubt += 1.0;
 }
 
 // A disagreement in this tick is the reason until it is known who is wrong.
@@ -33,7 +34,8 @@ bool ends(const AttemptDesign &design, double residual, bool is_off, AttemptStat
     const bool was_present = state.is_present;
     state.is_present = 0;
     if (!is_off || was_present || awaits_operator(design, state) || residual > largest_residual(design, state)) return false;
-    state.inhibits = 0, state.why = NOT_OFF;
+    state.inhibits = 0;
+    state.why = NOT_OFF;
     return true;
 }
 
@@ -51,7 +53,9 @@ bool awaits_operator(const AttemptDesign &design, const AttemptState &state) {
 }
 
 void begin_inhibition(int why, AttemptState &state) {
-    state.inhibits = 1, state.why = why, state.is_unexplained = 0;
+    state.inhibits = 1;
+    state.why = why;
+    state.is_unexplained = 0;
     state.begun++;
 }
 
@@ -73,8 +77,12 @@ void explain_attempt(AttemptState &state) {
 void release_attempts(const Guarded &on) {
     AttemptState &state = on.attempted;
     if (awaits_operator(on.attempts, state)) {
-        if (state.inhibits) state.distrusts = 0, restart_waves(on.state);
-        state.inhibits = 0, state.why = NOT_OFF;
+        if (state.inhibits) {
+            state.distrusts = 0;
+            restart_waves(on.state);
+        }
+        state.inhibits = 0;
+        state.why = NOT_OFF;
     }
     state.doubt = state.doubt_before = state.interruptions = 0.0;
 }
@@ -86,7 +94,10 @@ void judge_attempt(const Guarded &on, Seen seen, bool fades, Verdict &verdict) {
     seen.inhibits = state.inhibits;
     guard(on.design, on.state, seen, verdict);
     const int bits = int(verdict.bits);
-    if (bits & DISAGREE) state.distrusts = 1, disagree(state);
+    if (bits & DISAGREE) {
+        state.distrusts = 1;
+        disagree(state);
+    }
     if (state.inhibits) {
         if (!ends(on.attempts, verdict.residual, seen.authority <= 0.0 && !fades, state)) return;
         state.distrusts = 0;

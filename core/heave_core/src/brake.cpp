@@ -50,7 +50,8 @@ int follow(const ProofDesign &design, double rate, ProofState &state) {
     const double before = state.since;
     state.since += design.tick_period;
     if (!(before < design.held_time && design.held_time <= state.since)) return 0;
-    state.moved = state.count - state.begin, state.moved_rate = rate;
+    state.moved = state.count - state.begin;
+    state.moved_rate = rate;
     if (state.is_falling && !(std::abs(state.moved) >= design.felt)) return 0;  // no count tells whether it is held
     return std::abs(rate) < design.standing_speed ? DRUM_IS_HELD : DRUM_IS_NOT_HELD;
 }
@@ -59,7 +60,8 @@ int follow(const ProofDesign &design, double rate, ProofState &state) {
 
 // An operator knows of it.
 void acknowledge_brake(ProofState &state) {
-    state.is_falling = 0, state.since = NOT_KNOWN;
+    state.is_falling = 0;
+    state.since = NOT_KNOWN;
     forget_fall(state);
 }
 
@@ -87,7 +89,8 @@ int watch_braked(const ProofDesign &design, const ProofSeen &seen, double tensio
         return 0;
     }
     if (!has_fallen) return 0;
-    state.since = 0.0, state.is_falling = 1;
+    state.since = 0.0;
+    state.is_falling = 1;
     return LOAD_FALLS;
 }
 
@@ -96,7 +99,9 @@ int watch_braked(const ProofDesign &design, const ProofSeen &seen, double tensio
 int check_count(const ProofDesign &design, const ProofSeen &seen, ProofState &state) {
     const double before = state.drive_time, count = state.drive_count, last = state.drive_rate, rate = seen.encoder_rate;
     if (seen.has_winch == 0.0 || !std::isfinite(seen.winch_time + seen.encoder)) return 0;
-    state.drive_time = seen.winch_time, state.drive_count = seen.encoder, state.drive_rate = rate;
+    state.drive_time = seen.winch_time;
+    state.drive_count = seen.encoder;
+    state.drive_rate = rate;
     if (std::isfinite(rate) && rate != 0.0) state.has_rate = 1;
     const double since = seen.winch_time - before, step = seen.encoder - count;
     if (!state.has_rate || !std::isfinite(rate + last) || !(since > 0.0)) return 0;
@@ -104,7 +109,8 @@ int check_count(const ProofDesign &design, const ProofSeen &seen, ProofState &st
     state.error = left * state.error + step - clip(step, std::min(at_end, by_speed), std::max(at_end, by_speed));
     state.way = left * state.way + std::max(std::abs(step), std::abs(by_speed));
     if (std::abs(state.error) <= design.off_course + design.share_off * state.way) return 0;
-    state.found_error = state.error, state.error = 0.0;
+    state.found_error = state.error;
+    state.error = 0.0;
     return COUNT_CONTRADICTS;
 }
 

@@ -18,7 +18,8 @@ void bound_unseen(const CommandDesign &design, double *x) {
     const double swing = std::hypot(heave, std::sqrt(design.inertia) * rate);
     if (!(swing > design.largest_unseen)) return;
     const double kept = (design.largest_unseen + std::max(swing - design.unseen_error, 0.0)) / swing;
-    heave *= kept, rate *= kept;
+    heave *= kept;
+    rate *= kept;
 }
 
 // Compensation of a share of the sea about a mean payout is the plain problem in shifted states: unit heave less
@@ -29,11 +30,14 @@ void shift_state(const CommandDesign &design, const Loop &loop, double *x) {
     std::copy(loop.estimate, loop.estimate + design.states, x);
     if (loop.way == BY_TENSION) return;
     double &heave = x[design.unit[0]], &rate = x[design.unit[1]];
-    heave -= (1.0 - loop.share) * loop.heave, rate -= (1.0 - loop.share) * loop.rate;
+    heave -= (1.0 - loop.share) * loop.heave;
+    rate -= (1.0 - loop.share) * loop.rate;
     for (int i = 0; i < design.sea_states; i++) x[design.sea[i]] *= loop.share;
-    heave += loop.swing, rate += loop.swing_rate;
+    heave += loop.swing;
+    rate += loop.swing_rate;
     if (loop.is_unseen != 0.0) bound_unseen(design, x);
-    x[design.payout] -= loop.left_over, heave += loop.left_over;
+    x[design.payout] -= loop.left_over;
+    heave += loop.left_over;
 }
 
 // By how much a set-point is beyond the step that is allowed after a change of what is assumed [m/s].
@@ -70,7 +74,8 @@ void note_order(const Commanded &on, CommandState &state) {
     if (state.easing == 0.0) state.largest_step = std::max(std::abs(state.sent - state.last_sent), kept * state.largest_step);
     state.last_sent = state.sent;
     state.easing = std::max(state.easing - dt, 0.0);
-    state.speed = speed, state.travel = kept * state.travel + speed * dt;
+    state.speed = speed;
+    state.travel = kept * state.travel + speed * dt;
     if (state.fading != 0.0) return;
     state.largest_speed = std::max(std::abs(speed), kept * state.largest_speed);
     state.largest_travel = std::max(std::abs(state.travel), kept * state.largest_travel);
@@ -92,7 +97,8 @@ void slow_down(const Commanded &on, CommandState &state, Command &command) {
         // what is sent falls with it: a servo that needs more than its speed gets less of that too
         sent *= speed != 0.0 ? slower / speed : 0.0;
         command.shaped = 0.0;
-        state.value = slower + command.standing, state.sent = sent + command.standing;
+        state.value = slower + command.standing;
+        state.sent = sent + command.standing;
     }
     command.asked = state.value - on.loop.mean_command;
 }
@@ -108,9 +114,11 @@ void give_way(const Commanded &on, Command &command) {
 void govern_command(const Commanded &on, const Problem &problem, CommandState &state, Command &command) {
     Wanted wanted{};
     wanted.command = command.asked + problem.command;
-    wanted.payout = command.payout, wanted.rate = command.rate;
+    wanted.payout = command.payout;
+    wanted.rate = command.rate;
     wanted.tension = std::isfinite(on.loop.tension) ? on.loop.tension : problem.static_tension;
-    wanted.lowest = on.loop.lowest, wanted.highest = on.loop.highest;
+    wanted.lowest = on.loop.lowest;
+    wanted.highest = on.loop.highest;
     bound_fade(on, state, wanted);
     const Governed governed = govern(on.winch, wanted);
     const double less = beyond(on, state, governed.sent);
@@ -126,10 +134,13 @@ void pose_problem(const Commanded &on, Problem &problem, Command &command) {
     const CommandDesign &design = on.design;
     const Loop &loop = on.loop;
     const int n = design.states;
-    problem.payout = dot(n, design.payout_ahead, loop.mean_state), problem.rate = dot(n, design.rate_ahead, loop.mean_state);
+    problem.payout = dot(n, design.payout_ahead, loop.mean_state);
+    problem.rate = dot(n, design.rate_ahead, loop.mean_state);
     problem.command = loop.mean_command;
-    problem.static_tension = on.winch.static_tension, problem.measured_tension = loop.filtered_tension;
-    problem.mru_rate = loop.mru_rate, problem.bounds_tension = loop.bounds_tension;
+    problem.static_tension = on.winch.static_tension;
+    problem.measured_tension = loop.filtered_tension;
+    problem.mru_rate = loop.mru_rate;
+    problem.bounds_tension = loop.bounds_tension;
     const double out = speed_by(on.winch, loop.highest) - problem.rate, in = problem.rate - speed_by(on.winch, loop.lowest);
     problem.speed = on.winch.is_first_order ? ANY : std::max(out, in);
     shift_state(design, loop, problem.x);
@@ -148,7 +159,8 @@ int ask_command(const Commanded &on, const Law &law, const Problem &problem, Law
         case BY_LAW:
             ask_law(on.winch, law, problem, law_state);
             command.asked = law_state.command;
-            command.by_plan = law_state.by_plan, command.has_plan = law_state.has_plan;
+            command.by_plan = law_state.by_plan;
+            command.has_plan = law_state.has_plan;
             return law_state.asks;
         case BY_FADE: command.asked = dot(on.design.states, on.design.fade, problem.x); return 0;
         case BY_SETTLING: command.asked = dot(on.design.states, on.design.settling, problem.x); return 0;
@@ -170,8 +182,10 @@ void make_command(const Commanded &on, const Problem &problem, CommandState &sta
         give_way(on, command);
         govern_command(on, problem, state, command);
     }
-    state.standing = command.standing, state.shaped = command.shaped;
-    command.value = state.value, command.sent = state.sent;
+    state.standing = command.standing;
+    state.shaped = command.shaped;
+    command.value = state.value;
+    command.sent = state.sent;
     command.compensating = state.value - on.loop.mean_command;
     command.mean = state.value - command.compensating;
     note_order(on, state);

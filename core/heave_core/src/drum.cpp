@@ -186,8 +186,10 @@ double way_beyond(const Design &design, const State &state, const Samples &sampl
     double outward = std::max(bend, 0.0), inward = std::min(bend, 0.0);
     for (int late = 0; late <= latest; late++) {
         const double step = sent(late) - sent(late + 1), more = change(sent, late);
-        out = std::max(out, step), in = std::min(in, step);
-        outward = std::max(outward, more), inward = std::min(inward, more);
+        out = std::max(out, step);
+        in = std::min(in, step);
+        outward = std::max(outward, more);
+        inward = std::min(inward, more);
     }
     const double left = std::exp(-samples.time / design.envelope.drum_time), factor = design.envelope.stroke_factor;
     const double step = counted(0) - counted(1), more = change(counted, 0);

@@ -15,7 +15,10 @@ SetPoints sent_of(const DrumWatchDesign &design, const DrumWatchState &state, co
     double *payouts = record.work, *rates = payouts + ticks, *late = rates + ticks, *tensions = late + ticks;
     for (int i = 0; i < ticks; i++) {
         const DrumRow &row = row_before(design, state, record, ticks - 1 - i);
-        payouts[i] = row.payout, rates[i] = row.rate, late[i] = 0.0, tensions[i] = row.tension;
+        payouts[i] = row.payout;
+        rates[i] = row.rate;
+        late[i] = 0.0;
+        tensions[i] = row.tension;
     }
     return {payouts, rates, late, tensions, ticks};
 }
@@ -28,13 +31,20 @@ struct Products {
 Products products_of(const double *asked, const double *read, int ticks) {
     double seen = 0.0, mean_asked = 0.0, mean_read = 0.0;
     for (int i = 0; i < ticks; i++)
-        if (std::isfinite(read[i])) seen += 1.0, mean_asked += asked[i], mean_read += read[i];
-    mean_asked /= seen, mean_read /= seen;
+        if (std::isfinite(read[i])) {
+            seen += 1.0;
+            mean_asked += asked[i];
+            mean_read += read[i];
+        }
+    mean_asked /= seen;
+    mean_read /= seen;
     Products sums{};
     for (int i = 0; i < ticks; i++) {
         if (!std::isfinite(read[i])) continue;
         const double a = asked[i] - mean_asked, b = read[i] - mean_read;
-        sums.asked_squares += a * a, sums.read_squares += b * b, sums.both += a * b;
+        sums.asked_squares += a * a;
+        sums.read_squares += b * b;
+        sums.both += a * b;
     }
     return sums;
 }
@@ -71,7 +81,9 @@ double drum_error(const DrumWatchDesign &design, const DrumWatchState &state, co
         if (!std::isfinite(readings[i])) return 0.0;
     }
     ServoRun run = design.run;
-    run.sent = needed, run.ticks = checked - 1, run.fitted = checked / 2;
+    run.sent = needed;
+    run.ticks = checked - 1;
+    run.fitted = checked / 2;
     const SetPoints sent = sent_of(design, state, record, needed);
     return readings[checked - 1] - servo_reading(run, sent, design.assumed, readings, readings + checked);
 }
@@ -86,7 +98,8 @@ Ordered drum_ordered(const DrumWatchDesign &design, const DrumWatchState &state,
     bool is_limited = false;
     for (int i = 0; i <= ticks; i++) {
         const DrumRow &row = row_before(design, state, record, i);
-        seen += std::isfinite(row.reading), is_limited |= row.is_limited > 0.0;
+        seen += std::isfinite(row.reading);
+        is_limited |= row.is_limited > 0.0;
     }
     const double first = row_before(design, state, record, ticks).reading;
     if (!std::isfinite(first) || seen < design.least_seen * ticks) return unknown;

@@ -54,7 +54,8 @@ int status_of(const SenseDesign &design, EncoderGate &encoder, double time, doub
     const bool can_be = std::isfinite(value) && is_in_range(design.sensors[design.encoder], &value, 1);
     if (!can_be || !std::isfinite(time)) return GOOD;
     const double last_time = encoder.time, last = encoder.value;
-    encoder.time = time, encoder.value = value;
+    encoder.time = time;
+    encoder.value = value;
     if (std::isnan(last_time)) return GOOD;
     const double elapsed = std::max(time - last_time, design.tick_period), step = value - last;
     const double ticks = elapsed / design.tick_period, way = rate * elapsed;
@@ -62,7 +63,8 @@ int status_of(const SenseDesign &design, EncoderGate &encoder, double time, doub
     const bool is_thawing = encoder.is_frozen != 0.0 && step != 0.0 && !is_play;
     double expected = way, tolerance = design.health.encoder_step;
     if (is_thawing) {
-        expected = encoder.unseen + way, tolerance += design.steps.known_unseen * encoder.path;
+        expected = encoder.unseen + way;
+        tolerance += design.steps.known_unseen * encoder.path;
     } else if (ticks >= design.steps.at_once) {
         // in a gap the drum may have been off its model in each tick
         expected = travel_until(design.steps, encoder, time) - travel_until(design.steps, encoder, last_time);
@@ -93,7 +95,8 @@ void begin_encoder(EncoderGate &encoder) {
 void pass_tick(const StepLimits &limits, EncoderGate &encoder, double now, double way) {
     const int kept = int(limits.travel_ticks), place = int(encoder.count);
     const double total = place > 0 ? encoder.totals[(place - 1) % kept] : 0.0;
-    encoder.times[place % kept] = now, encoder.totals[place % kept] = total + way;
+    encoder.times[place % kept] = now;
+    encoder.totals[place % kept] = total + way;
     encoder.count += 1.0;
 }
 
@@ -103,7 +106,10 @@ double judge_encoder(const SenseDesign &design, SensorGate &gate, EncoderGate &e
     const double value = reading / encoder.scale;
     const int status = status_of(design, encoder, time, value, expected_rate, is_driven);
     if (!judge(design.health, design.sensors[design.encoder], gate, now, time, &value, 1, status)) {
-        if (status == JUMP) encoder.jumped_at = now, gate.good_needed = design.steps.shown_ticks;
+        if (status == JUMP) {
+            encoder.jumped_at = now;
+            gate.good_needed = design.steps.shown_ticks;
+        }
         return NOT_KNOWN;
     }
     const double payout = value - encoder.offset;
@@ -117,7 +123,8 @@ void rescale(EncoderGate &encoder, double factor, double payout) {
     encoder.scale *= factor;
     encoder.last_payout = payout;
     if (std::isnan(encoder.time)) return;
-    encoder.value /= factor, encoder.speed /= factor;
+    encoder.value /= factor;
+    encoder.speed /= factor;
     encoder.offset = encoder.value - payout;
 }
 

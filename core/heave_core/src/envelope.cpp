@@ -245,7 +245,8 @@ void envelope(const Design &design, State &state, const Readings &readings, Orde
     if (off > bounds.load_step * design.cable.static_tension) order.bits += LOAD_IS_OFF;
     order.harm = observe_load(design, state, readings);
     if (readings.acknowledged != 0.0 && state.phase == HELD && state.drum.rate == 0.0) {
-        state.phase = FREE, state.cause = NOTHING;
+        state.phase = FREE;
+        state.cause = NOTHING;
         state.bound = state.harm_time = state.follow_time = state.held.moved = 0.0;
         rest_drum(state);
     }
@@ -287,9 +288,13 @@ void envelope(const Design &design, State &state, const Readings &readings, Orde
     }
     brake = brake || state.phase == HELD;
 
-    order.payout = readings.payout, order.rate = readings.rate;
+    order.payout = readings.payout;
+    order.rate = readings.rate;
     order.brake = brake;
-    if (!is_finite) order.payout = by_payout ? ahead : 0.0, order.rate = 0.0;
+    if (!is_finite) {
+        order.payout = by_payout ? ahead : 0.0;
+        order.rate = 0.0;
+    }
     if (brake && readings.brake == 0.0) order.rate = 0.0;
     else if (!brake && (speed != asked.speed || !is_finite)) set_speed(design.winch, speed, ahead, order.payout, order.rate);
     state.last_speed = brake ? 0.0 : speed;
@@ -298,11 +303,19 @@ void envelope(const Design &design, State &state, const Readings &readings, Orde
     state.tick += 1;
     if (readings.brake == 0.0) advance_move(state.move, design.tick_period, bounds.jerk_time);
 
-    if (state.phase != FREE) order.value = state.value, order.limit = state.limit;
-    order.phase = state.phase, order.cause = state.cause;
-    order.rate_bound = limits.rate, order.travel_bound = limits.travel, order.move_rate = move;
-    order.travel_sent = state.travel_sent, order.travel_count = state.travel_count;
-    order.residual = state.residual, order.residual_limit = residual_limit(design, state);
+    if (state.phase != FREE) {
+        order.value = state.value;
+        order.limit = state.limit;
+    }
+    order.phase = state.phase;
+    order.cause = state.cause;
+    order.rate_bound = limits.rate;
+    order.travel_bound = limits.travel;
+    order.move_rate = move;
+    order.travel_sent = state.travel_sent;
+    order.travel_count = state.travel_count;
+    order.residual = state.residual;
+    order.residual_limit = residual_limit(design, state);
     order.speed = state.last_speed;
     const bool is_bounded = state.phase == FREE && !stops;
     order.lowest = is_bounded ? set_point_of(design.winch, move + usable.lower) : -ANY;

@@ -23,8 +23,14 @@ void add_drag(const Filter &filter, const double *x, Step &step) {
     const double speed = std::abs(x[r]), excess = excess_damping(drag, speed);
     if (excess == 0.0) return;
     const double half = kept_by(drag, excess);
-    for (int j = 0; j < n; j++) step.F[r * n + j] *= half, step.Q[r * n + j] *= half;
-    for (int i = 0; i < n; i++) step.F[i * n + r] *= half, step.Q[i * n + r] *= half;
+    for (int j = 0; j < n; j++) {
+        step.F[r * n + j] *= half;
+        step.Q[r * n + j] *= half;
+    }
+    for (int i = 0; i < n; i++) {
+        step.F[i * n + r] *= half;
+        step.Q[i * n + r] *= half;
+    }
     step.B[r] *= half;
     const double error = filter.drag_error * excess / drag.inertia * speed;
     step.Q[r * n + r] += error * error * filter.drag_error_time * drag.tick_period;

@@ -56,7 +56,10 @@ void take(const Filter &filter, const Reading *readings, int count, double *x, d
         // a bilinear reading predicts something else than h x
         const double left = readings[m].value - predicted + dot(n, row, before) - dot(n, row, x);
         const double S = across(n, row, P, carried) + readings[m].variance;
-        for (int i = 0; i < n; i++) gain[i] = carried[i] / S, x[i] += gain[i] * left;
+        for (int i = 0; i < n; i++) {
+            gain[i] = carried[i] / S;
+            x[i] += gain[i] * left;
+        }
         for (int i = 0; i < n; i++)
             for (int j = 0; j <= i; j++)
                 P[i * n + j] += gain[i] * (S * gain[j] - carried[j]) - carried[i] * gain[j];

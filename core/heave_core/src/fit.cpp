@@ -47,8 +47,10 @@ void lay_beside(const ProofDesign &design, int count, ProofWork &work) {
     const double step = design.tick_period, mean = 0.5 * (count - 1) * step;
     for (int i = 0; i < count; i++) {
         const double t = step * i, turned = design.frequency * t;
-        work.beside[0][i] = 1.0, work.beside[1][i] = t - mean;
-        work.beside[2][i] = std::cos(turned), work.beside[3][i] = std::sin(turned);
+        work.beside[0][i] = 1.0;
+        work.beside[1][i] = t - mean;
+        work.beside[2][i] = std::cos(turned);
+        work.beside[3][i] = std::sin(turned);
     }
     for (int k = 0; k < BESIDE; k++) {
         const double smallest = ROUNDING * std::sqrt(dot(count, work.beside[k], work.beside[k]));
@@ -66,7 +68,8 @@ void add(const ProofDesign &design, WitnessRecord &record, double time, double v
     if (!(std::isfinite(time + value) && since > 0.0)) return;
     record.times[record.next] = time;
     record.values[record.next] = low_passed(design, since, record.count ? record.values[last] : value, value);
-    record.next = (record.next + 1) % size, record.count = std::min(record.count + 1, size);
+    record.next = (record.next + 1) % size;
+    record.count = std::min(record.count + 1, size);
 }
 
 // Takes in what the witnesses should read at a time; returns whether it counts.
@@ -78,8 +81,10 @@ bool add(const ProofDesign &design, Expected &expected, double time, double heav
         double *held = expected.values[witness];
         held[expected.next] = low_passed(design, since, expected.count ? held[last] : values[witness], values[witness]);
     }
-    expected.times[expected.next] = time, expected.heaves[expected.next] = heave;
-    expected.next = (expected.next + 1) % design.kept, expected.count = std::min(expected.count + 1, design.kept);
+    expected.times[expected.next] = time;
+    expected.heaves[expected.next] = heave;
+    expected.next = (expected.next + 1) % design.kept;
+    expected.count = std::min(expected.count + 1, design.kept);
     return true;
 }
 

@@ -182,8 +182,10 @@ void guard(const GuardDesign &design, GuardState &state, const Seen &seen, Verdi
     if (!inhibits && seen.authority <= 0.0) restart_waves(state);
     else if (!inhibits && !(bits & ~DISAGREE) && !is_allowed && is_full) bits |= compare_waves(design, state, seen, verdict);
     verdict.bits = bits;
-    verdict.drum = amplitude_of(state.drum), verdict.swing = amplitude_of(state.swing);
-    verdict.depth = amplitude_of(state.depth), verdict.mismatch = amplitude_of(state.mismatch);
+    verdict.drum = amplitude_of(state.drum);
+    verdict.swing = amplitude_of(state.swing);
+    verdict.depth = amplitude_of(state.depth);
+    verdict.mismatch = amplitude_of(state.mismatch);
     verdict.waves_time = state.waves_time;
 }
 

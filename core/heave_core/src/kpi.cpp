@@ -64,8 +64,10 @@ void summarise(const KpiDesign &design, const KpiState &state, const KpiRow *row
         const KpiRow &row = rows[i];
         if (!is_counted(row, now)) continue;
         window.rows += 1.0;
-        sums.unit += row.unit, sums.uncompensated += row.uncompensated;
-        sums.tip += row.tip, sums.outlet += row.tip - row.payout;
+        sums.unit += row.unit;
+        sums.uncompensated += row.uncompensated;
+        sums.tip += row.tip;
+        sums.outlet += row.tip - row.payout;
         note_extremes(row, window, felt);
     }
     const Heaves mean = mean_of(sums, window.rows);
@@ -74,8 +76,10 @@ void summarise(const KpiDesign &design, const KpiState &state, const KpiRow *row
         if (!is_counted(row, now)) continue;
         const double off = row.unit - mean.unit, more = row.uncompensated - mean.uncompensated;
         const double tip = row.tip - mean.tip, outlet = row.tip - row.payout - mean.outlet;
-        squares.unit += off * off, squares.uncompensated += more * more;
-        squares.tip += tip * tip, squares.outlet += outlet * outlet;
+        squares.unit += off * off;
+        squares.uncompensated += more * more;
+        squares.tip += tip * tip;
+        squares.outlet += outlet * outlet;
         window.largest = larger(window.largest, std::abs(off));
     }
     // a heave that is not known now is not known of any tick

@@ -72,12 +72,15 @@ void bound_plan(const ActiveWinch &winch, const Law &law, const Problem &problem
     for (int i = 0, kind = 0; i < rows; i++) {
         while (i >= ends[kind]) kind++;
         if (kind < PLANNED_PAYOUT) {
-            state.lower[i] = middle[kind] - width[kind], state.upper[i] = middle[kind] + width[kind];
+            state.lower[i] = middle[kind] - width[kind];
+            state.upper[i] = middle[kind] + width[kind];
         } else if (kind == PLANNED_PAYOUT) {
             const double mean = problem.payout + problem.rate * law.times[i - ends[PLANNED_SET_POINT]];
-            state.lower[i] = winch.lowest - mean, state.upper[i] = winch.highest - mean;
+            state.lower[i] = winch.lowest - mean;
+            state.upper[i] = winch.highest - mean;
         } else {
-            state.lower[i] = winch.least_tension > 0.0 ? winch.least_tension - fixed : -none, state.upper[i] = most - fixed;
+            state.lower[i] = winch.least_tension > 0.0 ? winch.least_tension - fixed : -none;
+            state.upper[i] = most - fixed;
         }
     }
 }

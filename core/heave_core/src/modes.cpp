@@ -95,8 +95,15 @@ double as_shown(const Situation &situation, const ModeState &state) {
 
 void act(const ModeDesign &design, const Situation &situation, int action, ModeState &state) {
     switch (action) {
-        case DO_WANT_COMPENSATION: state.wants = state.may_resume = 1, state.losses = 0; return;
-        case DO_WANT_REST: state.wants = 0, state.may_resume = 1, state.losses = 0; return;
+        case DO_WANT_COMPENSATION:
+            state.wants = state.may_resume = 1;
+            state.losses = 0;
+            return;
+        case DO_WANT_REST:
+            state.wants = 0;
+            state.may_resume = 1;
+            state.losses = 0;
+            return;
         case DO_END_IN_STANDBY: state.rest = IN_STANDBY; return;
         case DO_END_STOPPED: state.rest = IN_STOPPED; return;
         case DO_COMPENSATE_NOTHING: state.authority = 0.0; return;
@@ -112,7 +119,8 @@ void act(const ModeDesign &design, const Situation &situation, int action, ModeS
 
 void enter(int mode, ModeState &state) {
     if (mode != IN_COMPENSATING && mode != IN_FADE_OUT) state.authority = 0.0;
-    state.mode = mode, state.time = 0.0;
+    state.mode = mode;
+    state.time = 0.0;
     if (mode == IN_COMPENSATING) state.coasted = 0.0;
 }
 

@@ -35,7 +35,9 @@ double add_noise(const Health &health, const Measured &measured, SensorNoise &no
             noise.worse = noise.seen >= health.noise_worse * noise.reported ? noise.worse + step : 0.0;
         }
     }
-    noise.last[0] = noise.last[1], noise.last[1] = noise.last[2], noise.last[2] = value;
+    noise.last[0] = noise.last[1];
+    noise.last[1] = noise.last[2];
+    noise.last[2] = value;
     const bool is_stated = stated >= 0.0 && stated <= measured.largest_stated;
     if (!is_stated && !std::isnan(stated) && std::isnan(noise.refused)) noise.refused = stated;
     // one that is not a number is no maximum
@@ -49,7 +51,8 @@ bool has_worse_noise(const Health &health, const Measured &measured, SensorNoise
     noise.factor = 0.0;
     const bool is_sure = std::isnan(noise.seen) || noise.worse >= NOISE_READINGS;
     if (!is_sure || noise.sigma < health.noise_worse * noise.reported) return false;
-    noise.reported = noise.sigma, noise.worse = 0.0;
+    noise.reported = noise.sigma;
+    noise.worse = 0.0;
     noise.factor = noise.sigma / measured.nominal;
     return true;
 }

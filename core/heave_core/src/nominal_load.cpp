@@ -20,14 +20,17 @@ void blend_reading(const NominalLoadDesign &design, NominalLoadState &state, dou
     } else if (since > 0.0) {
         rate = (heave - before) / since;
     }
-    state.time = state.base_time = time, state.heave = state.base_heave = heave, state.rate = rate;
+    state.time = state.base_time = time;
+    state.heave = state.base_heave = heave;
+    state.rate = rate;
 }
 
 // The unit goes on below the boom tip; a motion that was not read for long is not known.
 void go_on(const NominalLoadDesign &design, NominalLoadState &state, bool is_read) {
     if (!(state.time - state.base_time < design.unread)) {
         state.read_time = state.rate = 0.0;
-        state.base_time = state.time, state.base_heave = state.heave;
+        state.base_time = state.time;
+        state.base_heave = state.heave;
     }
     if (is_read || state.read_time != 0.0) state.read_time += design.tick_period;
     if (!std::isfinite(state.heave)) return;

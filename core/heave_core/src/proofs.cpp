@@ -56,7 +56,9 @@ void look(const ProofDesign &design, ProofState &state, ProofWork &work) {
     state.standing = standing;
     state.witness = proved >= 0 ? proved : refuted >= 0 ? refuted : surest;
     const Fit fit = state.witness >= 0 ? fits[state.witness] : Fit{0.0, 0.0, 0.0};
-    state.scale = fit.scale, state.correlation = fit.correlation, state.certainty = fit.certainty;
+    state.scale = fit.scale;
+    state.correlation = fit.correlation;
+    state.certainty = fit.certainty;
 }
 
 // Advances the nominal load by a tick, with the last good reading of the MRU in it. Returns whether its cable has become
@@ -98,7 +100,8 @@ void compare(const ProofDesign &design, const ProofSeen &seen, const Delivered *
 
 // Prove the MRU again: the last result holds no more.
 void reset_proof(const ProofDesign &design, ProofState &state) {
-    state.standing = MRU_OPEN, state.witness = -1;
+    state.standing = MRU_OPEN;
+    state.witness = -1;
     state.scale = state.correlation = state.certainty = state.waited = 0.0;
     begin_record(design, state);
 }

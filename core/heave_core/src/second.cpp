@@ -11,12 +11,14 @@ bool put(const SenseDesign &design, const Second &second, const Observed &observ
     if (second.which[row] < 0) return false;
     reading = in_terms(design, observed);
     if (!second.goes_by_count) {
-        reading.tick = std::min(observed.tick, observed.delivered), reading.offset = observed.offset;
+        reading.tick = std::min(observed.tick, observed.delivered);
+        reading.offset = observed.offset;
         reading.value = observed.value - observed.share;
     }
     reading.which = second.which[row];
     reading.variance = square(observed.sigma > 0.0 ? observed.sigma : second.sigma[row]);
-    reading.first_state = second.levers[0], reading.second_state = second.levers[1];
+    reading.first_state = second.levers[0];
+    reading.second_state = second.levers[1];
     return true;
 }
 

@@ -35,16 +35,20 @@ void take_mru(const Core &core, double number, const Delivered &reading, Found &
     const int heave = design.sensors[design.mru].measured, rate = heave + 1;
     const double last = steps.attitude_time, elapsed = reading.time - last;
     const double turned = reading.pitch - steps.pitch, rolled = reading.roll - steps.roll;
-    steps.attitude_time = reading.time, steps.roll = reading.roll, steps.pitch = reading.pitch;
+    steps.attitude_time = reading.time;
+    steps.roll = reading.roll;
+    steps.pitch = reading.pitch;
     double sigma = add_noise(design.health, design.measured[heave], core.state.noises[heave], reading.value, reading.sigma);
     Observed &level = add(core, found, number, heave, reading.value, stamp, sigma);
-    level.lever_x = -reading.pitch, level.lever_y = reading.roll;
+    level.lever_x = -reading.pitch;
+    level.lever_y = reading.roll;
     if (!(elapsed > 0.0)) return;
     core.state.mru_rate = reading.rate;
     if (std::isnan(reading.rate)) return;
     sigma = add_noise(design.health, design.measured[rate], core.state.noises[rate], reading.rate, reading.rate_sigma);
     Observed &turning = add(core, found, number, rate, reading.rate, stamp, sigma);
-    turning.lever_x = -turned / elapsed, turning.lever_y = rolled / elapsed;
+    turning.lever_x = -turned / elapsed;
+    turning.lever_y = rolled / elapsed;
 }
 
 // Whether the drum should go as it is ordered: a winch that holds it does not, for as long as its brake takes to open.
@@ -67,7 +71,8 @@ void take_encoder(const Core &core, const LookAt &given, double now, double rate
     if (!std::isfinite(given.winch_time)) return;
     const Stamp stamp = stamp_of(design, given.winch_time);
     tick.counted = given.encoder / encoder.scale - encoder.offset;
-    tick.count_tick = stamp.tick, tick.count_offset = stamp.offset;
+    tick.count_tick = stamp.tick;
+    tick.count_offset = stamp.offset;
     if (std::isnan(payout) || !is_taken(core, design.encoder)) return;
     Observed &observed = add(core, found, given.number, design.sensors[design.encoder].measured, payout, stamp, NOT_KNOWN);
     observed.value = encoder.as_read;
@@ -98,7 +103,8 @@ void take_scalar(const Core &core, const LookAt &given, double now, const Delive
     if (sensor == design.depth) {
         state.unit_heave = value;
         double *depth = room.depths + 2 * int(tick.depth_count++);
-        depth[0] = reading.time, depth[1] = read;
+        depth[0] = reading.time;
+        depth[1] = read;
     }
     const int row = assumed.measured;
     const Measured &measured = design.measured[row];
@@ -229,8 +235,10 @@ void report(const Core &core, const Room &room, Tick &tick) {
     const SenseState &state = core.state;
     const int depth = design.measured[design.sensors[design.depth].measured].which;
     tick.mru_rate = state.mru_rate;
-    tick.tension = state.tension, tick.filtered_tension = state.mean_tension.filtered;
-    tick.tension_mean = state.mean_tension.value, tick.tension_sigma = std::sqrt(state.mean_tension.variance);
+    tick.tension = state.tension;
+    tick.filtered_tension = state.mean_tension.filtered;
+    tick.tension_mean = state.mean_tension.value;
+    tick.tension_sigma = std::sqrt(state.mean_tension.variance);
     tick.tension_time = state.mean_tension.count * design.tick_period;
     tick.depth_noise = depth_noise(core);
     tick.depth_innovation = NOT_KNOWN;
@@ -280,7 +288,9 @@ void look_at(const Core &core, const LookAt &given, const Delivered *delivered, 
     remember_share(core.state, given.number, mean, rows.order);
     double rate = rows.through * (given.compensating + given.mean);
     for (int j = 0; j < rows.order; j++) rate += rows.payout_rate[j] * (x[j] + mean[j]);
-    tick.number = given.number, tick.compensating = given.compensating, tick.mean = given.mean;
+    tick.number = given.number;
+    tick.compensating = given.compensating;
+    tick.mean = given.mean;
     tick.depth_count = 0.0;
     Found found{room.found, 0};
     observe(core, given, delivered, rate, room, found, tick);

@@ -59,7 +59,10 @@ int fault_of(const Health &health, const Sensor &sensor, SensorGate &gate, doubl
 void accept(SensorGate &gate) {
     gate.bad_in_a_row = 0.0;
     gate.good_in_a_row += 1.0;
-    if (gate.level != SENSOR_OK && gate.good_in_a_row >= gate.good_needed) gate.level = SENSOR_OK, gate.reason = GOOD;
+    if (gate.level != SENSOR_OK && gate.good_in_a_row >= gate.good_needed) {
+        gate.level = SENSOR_OK;
+        gate.reason = GOOD;
+    }
 }
 
 }  // namespace
@@ -115,7 +118,10 @@ void take_back(const Health &health, SensorGate &gate, int reason, bool is_news)
     const double level = gate.level, before = gate.reason;
     gate.accepted -= 1.0;
     refuse(health, gate, reason);
-    if (!is_news) gate.level = level, gate.reason = before;
+    if (!is_news) {
+        gate.level = level;
+        gate.reason = before;
+    }
 }
 
 // Age above which the newest accepted reading is stale [s].
@@ -131,7 +137,9 @@ void tick_gate(const Health &health, const Sensor &sensor, SensorGate &gate, dou
     const double usual = health.stale_samples * gate.interval.value + health.rounding;
     const int reason = now - gate.newest_arrival <= usual ? DELAYED : STALE;
     if (gate.reason != reason) gate.delayed_since = now;
-    gate.level = SENSOR_LOST, gate.reason = reason, gate.silence = age;
+    gate.level = SENSOR_LOST;
+    gate.reason = reason;
+    gate.silence = age;
     gate.good_in_a_row = 0.0;
 }
 

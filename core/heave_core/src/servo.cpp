@@ -90,7 +90,10 @@ void servo_record(const ServoRun &run, const SetPoints &sent, const Servo &servo
                 until = std::min(takes, end);
             }
             const double h = (until - time) * run.tick_period;
-            if (h != length) length = h, left = left_of_error(run, servo, h);
+            if (h != length) {
+                length = h;
+                left = left_of_error(run, servo, h);
+            }
             now = piece(run, now, sent.payouts[k], sent.rates[k], limited, h, left);
             time = until;
         }

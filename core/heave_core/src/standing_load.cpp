@@ -28,8 +28,10 @@ double weigh(const Supervising &on) {
     const double ratio = on.landing->touchdown_ratio, wait = on.landing->swing_time - on.tick->tension_time;
     const bool is_low = found.share < ratio;
     if (wait > 0.0) return is_low ? wait : 0.0;
-    if (std::abs(found.share - ratio) > found.error)
-        on.landing_state->is_unloaded = is_low, on.landing_state->share = found.share;
+    if (std::abs(found.share - ratio) > found.error) {
+        on.landing_state->is_unloaded = is_low;
+        on.landing_state->share = found.share;
+    }
     return 0.0;
 }
 

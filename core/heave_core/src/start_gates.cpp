@@ -41,7 +41,8 @@ int tension_gates(const Supervising &on, bool is_cell_lost) {
 void begin_highest_tension(SupervisionState &state) {
     state.stretch = RunningSigma{};
     state.enough = INFINITE;
-    state.is_kept = 1, state.is_low = 0;
+    state.is_kept = 1;
+    state.is_low = 0;
 }
 
 // What the winch follows hardly changes the tension. What is beyond its limits it does not: of that share of a peak the

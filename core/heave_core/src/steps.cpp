@@ -52,15 +52,20 @@ bool is_off(const StepLimits &limits, MruSteps &steps, const Delivered &reading,
     const bool goes_on = elapsed > 0.0 && elapsed <= limits.longest_gap;
     bool off = false;
     if (!goes_on) {
-        steps.foreseen = heave, steps.rate = NOT_KNOWN, steps.new_time = 0.0;
+        steps.foreseen = heave;
+        steps.rate = NOT_KNOWN;
+        steps.new_time = 0.0;
     } else {
         steps.foreseen += change_of(limits, steps, reading, noise);
         const bool is_near = std::abs(heave - steps.foreseen) <= std::max(limits.mru_step, limits.sigmas * noise);
         off = !is_near && !is_back(limits, steps, heave, elapsed);
     }
-    steps.time = reading.time, steps.heave = heave, steps.heave_rate = reading.rate;
+    steps.time = reading.time;
+    steps.heave = heave;
+    steps.heave_rate = reading.rate;
     if (off || !goes_on) return off;
-    steps.foreseen = heave, steps.new_time = 0.0;
+    steps.foreseen = heave;
+    steps.new_time = 0.0;
     steps.known = std::min(steps.known + elapsed, limits.mean_time);
     steps.mean += elapsed / steps.known * (heave - steps.mean);
     return false;
@@ -97,13 +102,16 @@ double take_off(const StepLimits &limits, DepthJumps &jumps, double time, double
     for (const double offset : {jumps.offset, 0.0}) {
         if (std::abs(depth - offset - last) > allowed) continue;
         jumps.is_unproved = jumps.has_jumped != 0.0 && jumps.is_like_scale != 0.0 && offset != 0.0;
-        jumps.has_jumped = 0.0, jumps.offset = offset;
+        jumps.has_jumped = 0.0;
+        jumps.offset = offset;
         return jumps.depth = depth - offset;
     }
     jumps.jump = depth - jumps.offset - last;
     jumps.is_like_scale = std::abs(jumps.jump) > limits.like_scale * std::abs(last);
-    jumps.has_jumped = 1.0, jumps.is_unproved = 0.0;
-    jumps.offset = depth - last, jumps.depth = last;
+    jumps.has_jumped = 1.0;
+    jumps.is_unproved = 0.0;
+    jumps.offset = depth - last;
+    jumps.depth = last;
     return NOT_KNOWN;
 }
 

@@ -33,9 +33,11 @@ void observe_landing(const Supervising &on, const double *depths, const Lost &lo
     for (int i = 0; i < int(tick.depth_count); i++) add(on.landing_state->depth, depths[2 * i], depths[2 * i + 1]);
     LandingSeen seen{};
     seen.time = tick.number * on.design->tick_period;
-    seen.tension = tick.tension, seen.is_weighed = !lost.cell && std::isfinite(tick.filtered_tension);
+    seen.tension = tick.tension;
+    seen.is_weighed = !lost.cell && std::isfinite(tick.filtered_tension);
     seen.mean_payout = tick.motions.mean_payout;
-    seen.hanging_depth = -tick.motions.hanging_heave, seen.hanging_stretch = tick.motions.hanging_stretch;
+    seen.hanging_depth = -tick.motions.hanging_heave;
+    seen.hanging_stretch = tick.motions.hanging_stretch;
     seen.innovation = tick.depth_innovation;
     observe_landing(*on.landing, *on.landing_state, seen);
 }
@@ -73,13 +75,21 @@ void judge(const Supervising &on, const double *depths) {
     const bool is_hanging = hangs(*on.landing_state) && on.landing_state->may_stand == 0.0;
     const bool is_judged = is_hanging && on.tick->knows_tip != 0.0 && mode.mode != IN_CONSTANT_TENSION;
     Seen seen{};
-    seen.unit = motions.unit, seen.unit_rate = motions.unit_rate;
-    seen.free = motions.free + motions.mean_heave, seen.free_rate = motions.free_rate + motions.mean_rate;
-    seen.tip = motions.tip, seen.tip_rate = motions.tip_rate, seen.payout_rate = motions.payout_rate;
-    seen.measured = is_hanging ? measured : NOT_KNOWN, seen.noise = on.tick->depth_noise;
-    seen.mean_acceleration = on.seen->mean_acceleration, seen.drum_error = on.seen->drum_error;
-    seen.unknown = unknown(on), seen.payout = motions.payout;
-    seen.authority = is_judged ? mode.authority : 0.0, seen.target = mode.target;
+    seen.unit = motions.unit;
+    seen.unit_rate = motions.unit_rate;
+    seen.free = motions.free + motions.mean_heave;
+    seen.free_rate = motions.free_rate + motions.mean_rate;
+    seen.tip = motions.tip;
+    seen.tip_rate = motions.tip_rate;
+    seen.payout_rate = motions.payout_rate;
+    seen.measured = is_hanging ? measured : NOT_KNOWN;
+    seen.noise = on.tick->depth_noise;
+    seen.mean_acceleration = on.seen->mean_acceleration;
+    seen.drum_error = on.seen->drum_error;
+    seen.unknown = unknown(on);
+    seen.payout = motions.payout;
+    seen.authority = is_judged ? mode.authority : 0.0;
+    seen.target = mode.target;
     const bool fades = mode.mode == IN_FADE_OUT || mode.mode == IN_STOPPING;
     judge_attempt({*on.guard, *on.attempt_design, *on.guard_state, *on.attempts}, seen, fades, *on.verdict);
 }
@@ -88,7 +98,9 @@ void judge(const Supervising &on, const double *depths) {
 int note_timeout(const Supervising &on) {
     interrupt_attempt(*on.attempts);
     const bool is_often = awaits_operator(*on.attempt_design, *on.attempts);
-    on.state->is_pending = !is_often, on.state->is_tried = 0, on.state->link_well = 0.0;
+    on.state->is_pending = !is_often;
+    on.state->is_tried = 0;
+    on.state->link_well = 0.0;
     return is_often ? LINK_LOST_OFTEN : 0;
 }
 
@@ -106,7 +118,8 @@ int watch_link(const Supervising &on, bool is_well) {
     state.link_well = is_well ? state.link_well + on.design->tick_period : 0.0;
     if (state.link_well < on.design->link_wait) return 0;
     const int given_up = state.is_tried ? note_timeout(on) : 0;
-    state.is_tried = state.is_pending, state.link_well = 0.0;
+    state.is_tried = state.is_pending;
+    state.link_well = 0.0;
     return given_up ? given_up : LINK_BACK;
 }
 
@@ -128,7 +141,8 @@ int watch_share(const Supervising &on) {
     const bool is_held = share < 1.0 && compensates;
     state.held = is_held ? state.held + dt : std::min(state.held + dt, 0.0);
     if (state.held >= longest) {
-        state.held = -on.design->reported_again, state.is_reported = 1;
+        state.held = -on.design->reported_again;
+        state.is_reported = 1;
         return AUTHORITY_HELD;
     }
     state.is_reported = state.is_reported && compensates;  // whatever ends compensation is reported with its mode
@@ -186,14 +200,20 @@ bool fill_situation(const Supervising &on, const Lost &lost) {
     now.encoder_frozen = now.encoder_lost != 0.0 && on.sense_state->gates[encoder].reason == FROZEN;
     now.winch_silent = now.encoder_lost != 0.0 && on.sense_state->gates[encoder].reason == STALE;
     now.has_estimate = on.tick->has_encoder;
-    now.winch_fault = fault, now.is_emergency = fault == on.design->emergency_stop;
+    now.winch_fault = fault;
+    now.is_emergency = fault == on.design->emergency_stop;
     now.is_automatic = on.design->automatic >> fault & 1;
-    now.harm = is_reversed || on.attempts->inhibits, now.envelope = seen.envelope;
-    now.is_settled = !(is_damped || settles) || is_settled(on), now.is_damped_blind = is_blind;
-    now.speed = seen.speed, now.authority_limit = on.verdict->best_authority;
+    now.harm = is_reversed || on.attempts->inhibits;
+    now.envelope = seen.envelope;
+    now.is_settled = !(is_damped || settles) || is_settled(on);
+    now.is_damped_blind = is_blind;
+    now.speed = seen.speed;
+    now.authority_limit = on.verdict->best_authority;
     now.shown_authority = on.verdict->shown;
-    on.done->gates = compensation_gates(on), on.done->tension_gates = tension_gates(on, lost.cell);
-    now.gates_closed = on.done->gates != 0.0, now.tension_closed = on.done->tension_gates != 0.0;
+    on.done->gates = compensation_gates(on);
+    on.done->tension_gates = tension_gates(on, lost.cell);
+    now.gates_closed = on.done->gates != 0.0;
+    now.tension_closed = on.done->tension_gates != 0.0;
     return is_damped;
 }
 
@@ -215,8 +235,10 @@ void watch_landing(const Supervising &on, int &happened) {
     const bool lowers = is_blind && landing.lowering_rate >= design.least_rate;
     if (begins(on.state->quiet[2], design.quiet_time, design.tick_period, lowers)) happened |= LOWERS_BLIND;
     LandingSeen seen{};
-    seen.time = tick.number * design.tick_period, seen.filtered_tension = tick.filtered_tension;
-    seen.sees_landing = tick.sees_landing, seen.has_depths = tick.depth_count > 0.0;
+    seen.time = tick.number * design.tick_period;
+    seen.filtered_tension = tick.filtered_tension;
+    seen.sees_landing = tick.sees_landing;
+    seen.has_depths = tick.depth_count > 0.0;
     seen.compensates = compensates && on.mode->authority > design.least_authority;
     judge_landing(*on.landing, landing, seen);
     if (landing.event != NOT) happened |= UNIT_EVENT;
@@ -225,11 +247,16 @@ void watch_landing(const Supervising &on, int &happened) {
 void report(const Supervising &on, bool is_damped, int happened) {
     Supervised &done = *on.done;
     const bool is_reversed = on.seen->is_reversed != 0.0;
-    done.mode = on.mode->mode, done.authority = on.mode->authority, done.is_braked = is_braked(*on.mode);
-    done.is_inhibited = on.attempts->inhibits, done.is_damped = is_damped;
+    done.mode = on.mode->mode;
+    done.authority = on.mode->authority;
+    done.is_braked = is_braked(*on.mode);
+    done.is_inhibited = on.attempts->inhibits;
+    done.is_damped = is_damped;
     done.trusts_estimate = !on.attempts->distrusts && !is_reversed;
-    done.fades_by_law = on.state->fades_by_law, done.unit_stands = !hangs(*on.landing_state);
-    done.bounds_tension = on.state->is_kept, done.happened = happened;
+    done.fades_by_law = on.state->fades_by_law;
+    done.unit_stands = !hangs(*on.landing_state);
+    done.bounds_tension = on.state->is_kept;
+    done.happened = happened;
 }
 
 }  // namespace
@@ -256,7 +283,8 @@ void supervise(const Supervising &on, const double *depths) {
     const bool is_damped = fill_situation(on, lost);
     on.done->event = step_modes(*on.modes, *on.situation, *on.mode);
     const int before = on.mode->before;
-    on.done->before = before, on.mode->before = on.mode->mode;
+    on.done->before = before;
+    on.mode->before = on.mode->mode;
     follow_mode(on, before);
     watch_landing(on, happened);
     report(on, is_damped, happened);

@@ -9,7 +9,8 @@ namespace heave {
 void note_tension(TensionRecord &record, double tension, double payout) {
     record.newest = (record.newest + 1) % TENSION_TICKS;
     record.count = std::min(record.count + 1, record.kept);
-    record.tensions[record.newest] = tension, record.payouts[record.newest] = payout;
+    record.tensions[record.newest] = tension;
+    record.payouts[record.newest] = payout;
 }
 
 namespace {

@@ -49,11 +49,16 @@ Slope slope_of(const Trend &trend, double window, double least_readings, double 
     const int count = count_within(trend, window);
     if (count < least_readings) return unknown;
     double time = 0.0, value = 0.0, spread = 0.0, across = 0.0, left = 0.0;
-    for (int i = 0; i < count; i++) time += trend.times[place(trend, i)], value += trend.values[place(trend, i)];
-    time /= count, value /= count;
+    for (int i = 0; i < count; i++) {
+        time += trend.times[place(trend, i)];
+        value += trend.values[place(trend, i)];
+    }
+    time /= count;
+    value /= count;
     for (int i = 0; i < count; i++) {
         const double about = trend.times[place(trend, i)] - time;
-        spread += about * about, across += about * trend.values[place(trend, i)];
+        spread += about * about;
+        across += about * trend.values[place(trend, i)];
     }
     const double slope = across / spread;
     for (int i = 0; i < count; i++) {

@@ -10,7 +10,10 @@ void add_innovation(const Watches &watches, double tick_period, SensorNoise &noi
 
 // Something else is assumed from now on.
 void restart_consistency(SenseState &state) {
-    for (SensorNoise &noise : state.noises) noise.mean = 1.0, noise.quiet_time = 0.0;
+    for (SensorNoise &noise : state.noises) {
+        noise.mean = 1.0;
+        noise.quiet_time = 0.0;
+    }
     state.disagree_time = 0.0;
 }
 
@@ -22,14 +25,18 @@ int watch_consistency(const SenseDesign &design, SenseState &state) {
     for (int i = 0; i < MEASUREMENTS; i++) {
         SensorNoise &noise = state.noises[i];
         const bool has_refused = !std::isnan(noise.refused) && noise.is_refused == 0.0;
-        if (has_refused) noise.is_refused = 1.0, news |= ACCURACY_REFUSED;
+        if (has_refused) {
+            noise.is_refused = 1.0;
+            news |= ACCURACY_REFUSED;
+        }
         noise.news = has_refused ? ACCURACY_REFUSED : 0;
         worst = std::max(worst, noise.mean);
         noise.quiet_time = noise.mean < watches.quiet ? noise.quiet_time + design.tick_period : 0.0;
         if (noise.quiet_time < watches.quiet_time || noise.is_quiet != 0.0) continue;
         noise.is_quiet = 1.0;
         if (!design.measured[i].has_noise || design.measured[i].nominal <= design.health.least_noise) continue;
-        noise.news += NOISE_LOW, news |= NOISE_LOW;
+        noise.news += NOISE_LOW;
+        news |= NOISE_LOW;
     }
     state.disagree_time = worst > watches.inconsistent ? state.disagree_time + design.tick_period : 0.0;
     const bool was = state.is_unexplained != 0.0, is_unexplained = state.disagree_time >= watches.unexplained_time;
@@ -52,7 +59,8 @@ void begin_mean(MeanTension &mean) {
 // a plain average.
 void add_tension(const Watches &watches, double tick_period, MeanTension &mean, double tension, double place, bool stands) {
     if (!(std::abs(place - mean.place) <= watches.moved) || stands != (mean.stands != 0.0)) {
-        mean.place = place, mean.stands = stands;
+        mean.place = place;
+        mean.stands = stands;
         restart_tension(mean);
     }
     mean.count += 1.0;

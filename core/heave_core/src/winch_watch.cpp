@@ -25,7 +25,8 @@ void note_overdue(const LinkDesign &design, LinkState &state, double *minute, do
     state.next = (state.next + 1) % design.minute;
     state.count = std::min(state.count + 1, design.minute);
     state.late_in_minute += overdue > 0.0;
-    state.known++, state.late += overdue > 0.0;
+    state.known++;
+    state.late += overdue > 0.0;
     state.largest = std::max(state.largest, overdue);
 }
 
@@ -58,10 +59,16 @@ void note_command(const LinkDesign &design, LinkState &state, double *minute, in
 
 // Who is silent: the cause of a winch that stops because no command came in time.
 void note_silence(const LinkDesign &design, LinkState &state, bool has_state, double untaken) {
-    state.since_state += design.tick_period, state.since_silence += design.tick_period;
-    if (state.since_state >= state.silence || state.since_silence > design.memory)
-        state.silence = state.since_state, state.since_silence = 0.0;
-    if (has_state) state.since_state = 0.0, state.untaken = untaken;
+    state.since_state += design.tick_period;
+    state.since_silence += design.tick_period;
+    if (state.since_state >= state.silence || state.since_silence > design.memory) {
+        state.silence = state.since_state;
+        state.since_silence = 0.0;
+    }
+    if (has_state) {
+        state.since_state = 0.0;
+        state.untaken = untaken;
+    }
 }
 
 void watch_winch(const WinchWatchDesign &design, WinchWatchState &state, const DrumRecord &record, double *minute,

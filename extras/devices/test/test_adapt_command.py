@@ -6,6 +6,9 @@ import pytest
 from domain_coordinator import domain_id
 from heave_bringup.cli import main
 
+from tests.loop_runs import give
+from tests.plc import free_port
+
 
 def test_the_shipped_maps_are_listed_and_shown(capsys, tmp_path):
     assert main(["adapt", "--list"]) == 0
@@ -55,3 +58,12 @@ def test_a_map_without_a_source_reads_records_alone(tmp_path, capsys, monkeypatc
         monkeypatch.setenv("ROS_DOMAIN_ID", str(domain))
         assert main(["adapt", str(path)]) == 2
     assert "log: says no source: add source: {udp: PORT}" in capsys.readouterr().err
+
+
+def test_a_device_that_cannot_be_reached_is_the_reason_of_the_end(tmp_path):
+    path = tmp_path / "mru.yaml"
+    path.write_text(f"source: {{tcp: 127.0.0.1:{free_port('tcp')}}}\nformat: nmea\nheave: PSXN23.heave\n")
+    with domain_id() as domain:
+        ended = give(domain, "adapt", str(path), "--duration", "0.5")
+    assert ended.returncode == 1
+    assert "heave: mru: Connection refused" in ended.stderr

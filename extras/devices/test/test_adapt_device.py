@@ -331,6 +331,7 @@ def test_a_serial_line_of_sentences_becomes_mru(tmp_path):
     [
         (b"", "nothing received. Check power, cable"),
         (b"$PASHR,123816.80,312.95,T,-000.83,-000.42,-000.01,0.234,0.224,0.298,1,0*00\r\n", "1 wrong checksums"),
+        (b"$PASHR,123816.70,312.95,T,-000.83,-000.42,-000.01,0.234,0.224,0.298,1,0*06\r\n", "its own time goes back"),
         (b"$GPGGA,123519,4807.038,N,01131.000,E,1,08,0.9,545.4,M,46.9,M,,*47\r\n", "lacks the map's fields"),
     ],
 )

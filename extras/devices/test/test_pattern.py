@@ -1,6 +1,7 @@
 """Lines by a pattern: a winch's display as its manual describes it, and a load cell's."""
 
 import pytest
+from heave_devices.adapt.shipped import find_map
 from heave_devices.formats.pattern import PatternDecoder
 
 LCI_90 = r"(?P<covered>RD,(?P<tension>[^,]{8}),(?P<speed>[^,]{8}),(?P<payout>[^,]{8}),)(?P<checksum>\d{4})$"
@@ -47,3 +48,19 @@ def test_words_are_kept_beside_numbers():
 def test_a_pattern_that_cannot_be_is_refused(pattern, checksum, words):
     with pytest.raises(ValueError, match=words):
         PatternDecoder(pattern, checksum)
+
+
+@pytest.mark.parametrize(
+    "head",
+    [
+        "#INSPVAA,COM1,0,31.0,FINESTEERING,2371,54418.000,00000000,54e2,13386",
+        "%INSPVASA,2371,54418.000",
+    ],
+)
+def test_an_ascii_log_of_novatel_with_a_long_head_or_a_short_one(head):
+    """INSPVAS has the body of INSPVA (OEM7 Commands and Logs Reference Manual, log 508)."""
+    body = "2371,54418.000000000,58.97,5.73,45.0000,0.1,0.2,0.1000,0.5,1.2,90.0,INS_SOLUTION_GOOD"
+    decoder = find_map("novatel_ascii").decoder()
+    (sample,) = decoder.feed(f"{head};{body}*00000000\r\n".encode())
+    assert (sample.values["height"], sample.values["up"], sample.values["pitch"]) == (45.0, 0.1, 1.2)
+    assert sample.words["status"] == "INS_SOLUTION_GOOD"

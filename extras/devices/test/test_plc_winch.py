@@ -211,6 +211,7 @@ def test_a_map_that_names_what_the_plc_does_not_have_is_told_in_one_line(kind, c
         (("word_order: big", "word_order: little"), "with word_order: big it moved by"),
         (("watchdog: 'input:5'", "watchdog: 'input:7'"), "watchdog has not counted for"),
         (("fault: 'input:4.1'", "fault: 'input:4.0'"), "the drive reports a trip"),
+        (("    'holding:3': watchdog\n", ""), "the map sends it no watchdog"),
     ],
 )
 def test_a_move_of_millimetres_shows_a_wrong_sign_and_stops_at_a_wrong_scale(change, words, plc_of, bench_of):

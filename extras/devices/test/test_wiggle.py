@@ -7,14 +7,14 @@ from heave_devices.bench.wiggle import DURATION, LEAST, Reading, is_too_far, jud
 DISTANCE, STEP = 0.02, 0.02
 
 
-def drum(gain=1.0, rate_gain=1.0, lag=0.15):
+def drum(gain=1.0, rate_gain=1.0, lag=0.15, count_gain=1.0):
     """Return the readings of a drum that follows the commanded rate with a first-order lag."""
     payout = rate = 0.0
     readings = []
     for time in np.arange(0.0, DURATION, STEP):
         rate += (gain * move_at(time, DISTANCE)[1] - rate) * STEP / lag
         payout += rate * STEP
-        readings.append(Reading(time + STEP, payout, rate_gain * rate))
+        readings.append(Reading(time + STEP, count_gain * payout, rate_gain * rate))
     return readings
 
 
@@ -33,6 +33,8 @@ def test_the_commanded_rate_is_that_of_the_commanded_place():
         ({"gain": -1.0}, ["payout, out", "payout, back", "payout rate, out"], "reversed. Check positive"),
         ({"rate_gain": -1.0}, ["payout rate, out"], "reversed"),
         ({"rate_gain": 60.0}, ["payout rate, out"], "60 times. Check unit and scale"),
+        ({"count_gain": 0.01}, ["payout, out", "payout, back"], "while the speed is as ordered. Check unit, scale"),
+        ({"count_gain": -1.0}, ["payout, out", "payout, back"], "Check unit, scale and sign of payout"),
         ({"gain": 2.0}, ["payout, out", "payout, back", "payout rate, out"], "2 times"),
         ({"gain": 0.0}, ["payout, out", "payout, back", "payout rate, out"], "it hardly moved. Check enable"),
     ],

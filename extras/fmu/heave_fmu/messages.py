@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable
 
 from cable_sim_node.conversions import CABLE_SCALARS
-from cable_sim_node.sensors.instruments import SensorsParameters
 from heave_bringup.closed_loop import LoopParameters
 from heave_node.interface import topics
+from heave_node.interface.faults import FaultParameters
 from heave_node.interface.sensors import SENSORS, USBL, Sensor
 from heave_node.interface.topic import Topic
 
@@ -27,12 +28,19 @@ def point_fields(names: Iterable[str]) -> tuple[str, ...]:
 ODOMETRY_FIELDS = point_fields(("pose.pose.position", "twist.twist.linear"))
 
 
-def sensor_slots(sensor: Sensor, parameters: SensorsParameters) -> int:
-    """Return how many readings of a `sensor` of the plant may come in one tick, by the `parameters` of all of them.
+def _late_slots(faults: FaultParameters, tick_period: float) -> int:
+    """Return how many messages may come in one tick besides its own: one per delay, those that jitter has held back."""
+    jitters = (size for kind, size in zip(faults.kind, faults.magnitude, strict=True) if kind == "jitter")
+    return faults.kind.count("delay") + sum(math.ceil(size / tick_period) for size in jitters)
 
-    One for each delay that it has at a time; the way to a unit that moves makes the delay of USBL change.
+
+def sensor_slots(sensor: Sensor, parameters: LoopParameters) -> int:
+    """Return how many readings of a `sensor` of the plant may come in one tick, by the `parameters` of the loop.
+
+    The way to a unit that moves makes the delay of USBL change.
     """
-    return 1 + parameters.by_name()[sensor.name].faults.kind.count("delay") + (sensor is USBL)
+    faults = parameters.plant.sensors.by_name()[sensor.name].faults
+    return 1 + _late_slots(faults, parameters.tick_period) + (sensor is USBL)
 
 
 def fitted_sensors(parameters: LoopParameters) -> list[Sensor]:
@@ -42,7 +50,7 @@ def fitted_sensors(parameters: LoopParameters) -> list[Sensor]:
 
 def pose_slots(parameters: LoopParameters) -> int:
     """Return how many poses of the crane may come in one tick, by the `parameters` of the loop."""
-    return 1 + parameters.sea.crane.pose.faults.kind.count("delay")
+    return 1 + _late_slots(parameters.sea.crane.pose.faults, parameters.tick_period)
 
 
 def preview_fields(parameters: LoopParameters) -> tuple[str, ...]:

@@ -67,7 +67,7 @@ class PlantPart(Part):
         self.add_input(topics.WINCH_STATE, DRUM_MOTION)
         self.add_input(topics.CONTROLLER_STATE, ("depth_set_point",))
         for sensor in fitted_sensors(self.parameters):
-            self.add_output(sensor.topic, sensor.values, sensor_slots(sensor, self.parameters.plant.sensors))
+            self.add_output(sensor.topic, sensor.values, sensor_slots(sensor, self.parameters))
         self.add_output(topics.CABLE_STATE, CABLE_FIELDS)
         self.add_output(topics.UNIT_ODOMETRY, ODOMETRY_FIELDS)
         self.add_output(topics.UNIT_UNCOMPENSATED, point_fields(POINT_MOTION))
@@ -201,7 +201,7 @@ class ControllerPart(Part):
         loop = self.parameters
         self.add_input(MRU.topic, MRU.values)
         for sensor in fitted_sensors(loop):
-            self.add_input(sensor.topic, sensor.values, sensor_slots(sensor, loop.plant.sensors))
+            self.add_input(sensor.topic, sensor.values, sensor_slots(sensor, loop))
         self.add_input(topics.WINCH_STATE, WINCH_MEASURES)
         crane = loop.sea.crane
         if crane.is_fitted and crane.pose.fitted:

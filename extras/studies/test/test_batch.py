@@ -58,8 +58,7 @@ def test_figures_are_within_two_percent_of_the_full_loop(name: str, height: floa
     scenario = in_sea(name, height, period, winch_controller__law=law)
     batch, parameters = LiftBatch(scenario), loop_parameters(scenario)
     found = np.zeros((2, len(FIGURES)))
-    for seed in (11, 12):
-        flown = batch.fly(seed)
+    for seed, flown in zip((11, 12), batch.fly((11, 12)), strict=True):
         assert flown.flag == ""
         of_seed = type(parameters)(**{**vars(parameters), "seed": seed})
         record = ClosedLoop(of_seed, has_adviser=False).run()
@@ -133,7 +132,7 @@ def test_what_is_not_covered_is_named(changes: dict[str, object], why: str) -> N
 )
 def test_a_lift_that_leaves_what_is_linear_is_flagged(scenario: tuple, flag: str) -> None:  # type: ignore[type-arg]
     name, height, period, changes = scenario
-    assert LiftBatch(in_sea(name, height, period, **changes)).fly(4).flag == flag
+    assert LiftBatch(in_sea(name, height, period, **changes)).fly([4])[0].flag == flag
 
 
 def test_a_study_screens_what_it_can_and_runs_the_rest_in_full(tmp_path: Path) -> None:

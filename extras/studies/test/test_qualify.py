@@ -104,7 +104,8 @@ def test_errors_and_tolerances_are_those_that_the_tests_found(tree, tmp_path):
         worst[one["of"]] = max(worst.get(one["of"], 0.0), one["error"])
     assert worst == pytest.approx({"found": 0.02, "[value, 2.0]": 0.25, "np.array([3.0, 3.3])": 0.3})
     assert good.worst["used"] == pytest.approx(0.5)
-    assert page.numbers(max(good.comparisons, key=lambda one: one["relative"] and one["error"])) == ("10 %", "20 %")
+    largest = max(good.comparisons, key=lambda one: one["relative"] and one["error"])
+    assert page.numbers(largest) == ("10 %", "20 %", "3")
     assert (bad.worst["error"], bad.worst["tolerance"]) == (1.0, 0.5)
     assert results.verdict_of([tests[0], tests[2]], cases).outcome == "not run"
     assert results.verdict_of(tests, cases).outcome == "FAILED"
@@ -127,6 +128,8 @@ def test_a_claim_whose_test_fails_stands_as_failed_and_ends_with_the_status_of_a
     assert "4 claims: 1 passed, 1 not run" in text
     assert "No conformity is claimed" in text
     assert "http" not in text.split("<body>")[1].split("<script>")[0]  # it fetches nothing
+    assert "1 of 0.5, reference 4<br>" in text
+    assert (out / "cases" / "calm" / "calm.cases").is_file()
     assert (out / "versions.txt").read_text().count("\n") > 20
 
 

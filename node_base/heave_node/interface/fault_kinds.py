@@ -63,6 +63,12 @@ FAULTS: dict[str, FaultKind] = {
         "additional delay, at least 0 and for the mru at most 10 [s]",
         {"winch": "commands arrive later"},
     ),
+    "jitter": FaultKind(
+        "each sample arrives later by a random time, uniform, with its true stamp",
+        (*_SENSORS, "winch"),
+        "largest additional delay, at least 0 and for the mru at most 10 [s]",
+        {"winch": "each command arrives later by a random time, uniform"},
+    ),
     "restart": FaultKind("silent (0: for 2 s), then settling: its high-pass filter starts again", ("mru",)),
     "drive": FaultKind("the drive trips", ("winch",)),
     "emergency_stop": FaultKind("the emergency stop is pressed", ("winch",)),
@@ -81,7 +87,7 @@ FAULTS: dict[str, FaultKind] = {
 """The vocabulary: every kind of fault by its name."""
 
 LARGEST_DELAY = {"mru": 10.0}
-"""Largest magnitude of a delay [s], of devices that keep no longer record."""
+"""Largest magnitude of a delay or jitter [s], of devices that keep no longer record."""
 
 
 def faults_of(device: str) -> tuple[str, ...]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import random
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -96,6 +97,7 @@ class FaultSchedule:
     name : of the device, for messages
     device : kind of the device
     usual_duration : by kind, the duration [s] where 0 does not mean until cleared
+    seed : of the run, for jitter
 
     Raises ValueError for lists of unequal length, and as `inject` does.
     """
@@ -107,11 +109,13 @@ class FaultSchedule:
         name: str,
         device: str,
         usual_duration: Mapping[str, float] | None = None,
+        seed: int = 0,
     ) -> None:
         self._name = name
         self._device = device
         self._usual_duration = usual_duration or {}
         self._faults: list[Fault] = []
+        self._random = random.Random(f"{name}/jitter {seed}")
         columns = (parameters.kind, parameters.start, parameters.duration, parameters.magnitude)
         lengths = [len(column) for column in columns]
         if len(set(lengths)) > 1:
@@ -163,8 +167,8 @@ class FaultSchedule:
             wrong = f"the magnitude of kind low_pressure must be above 0; got {magnitude:g}"
         elif FAULTS[kind].magnitude == PAYS_OUT and magnitude < 0.0:
             wrong = f"the magnitude of kind {kind} must be at least 0 m/s; got {magnitude:g}"
-        elif kind == "delay" and not 0.0 <= magnitude <= largest_delay:
-            wrong = f"the magnitude of kind delay must be from 0 to {largest_delay:g} s; got {magnitude:g}"
+        elif kind in ("delay", "jitter") and not 0.0 <= magnitude <= largest_delay:
+            wrong = f"the magnitude of kind {kind} must be from 0 to {largest_delay:g} s; got {magnitude:g}"
         if wrong:
             raise ValueError(f"{self._name}: {wrong}")
 
@@ -186,6 +190,11 @@ class FaultSchedule:
         if not self._faults:
             return 0.0
         return sum(fault.magnitude for fault in self._faults if fault.kind == kind and fault.is_active(time))
+
+    def lateness(self, time: float) -> float:
+        """Return how late what is sent at `time` [s] arrives by delay and jitter [s]; to be asked once per message."""
+        spread = self.total("jitter", time)
+        return self.total("delay", time) + (self._random.uniform(0.0, spread) if spread else 0.0)
 
     def product(self, kind: str, time: float) -> float:
         """Return the product of the magnitudes of the faults of `kind` that are active at `time` [s]; 1 without one."""

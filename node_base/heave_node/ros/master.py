@@ -85,6 +85,7 @@ class ClockMasterNode(HeaveNode):
         peers = [name for name in self.run.participants if name not in self.run.external and name != self.name]
         self.roster = Roster([self.name, *peers])
         self.timing = LoopTiming()
+        self.own_time.ages = self.timing.ages
         self._speakers: dict[str, Speakers] = {}
         self.run_state = TickStatus.WAITING
         self._reason = ""
@@ -395,7 +396,7 @@ class ClockMasterNode(HeaveNode):
         while self.run_state == TickStatus.RUNNING and not self.failure and not self._lead.flush:
             if self.tick_number >= elapsed or time.monotonic() - began > self.run.tick_period:
                 return
-            at = time.perf_counter()
+            self.own_time.began()
             tick = self.tick
             if tick is not None:
                 self.timing.missed_deadlines += not self._stepped
@@ -404,7 +405,7 @@ class ClockMasterNode(HeaveNode):
                 self._begin_what_follows()
             else:
                 self._begin_tick(1)
-            self.work.add(time.perf_counter() - at)
+            self.own_time.ended()
 
     # Pause, step, reset --------------------------------------------------------------------------------------------
 

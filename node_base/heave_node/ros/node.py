@@ -26,11 +26,10 @@ from heave_node.interface.alarm import NODE_ALARMS
 from heave_node.interface.codes import OPERATOR, time_key, timed_message
 from heave_node.interface.topic import Topic
 from heave_node.ros.diagnostics import Health, Level, alarm_health, diagnostic_array
-from heave_node.ros.input_timing import timing_health
+from heave_node.ros.input_timing import TickTiming
 from heave_node.ros.ported_node import PortedNode
 from heave_node.ros.ports import Output
 from heave_node.ros.transport.real_time import collect_between_ticks, take_priority
-from heave_node.tick.durations import Durations
 from heave_node.tick.tick import Tick
 
 JOIN_PERIOD = 0.05
@@ -48,7 +47,7 @@ class HeaveNode(PortedNode):
     is_active : it takes part in ticks
     failure : why the node ended, "" while nothing went wrong; `failed_at` when [s of monotonic wall time]
     was_ended : a signal or a transition, not an error, ended it
-    work : this node's own time in each tick, in real time
+    own_time : of this node's part of each tick
     """
 
     def __init__(self) -> None:
@@ -59,7 +58,6 @@ class HeaveNode(PortedNode):
         super()._begin_unconfigured()
         self.failure, self.failed_at = "", 0.0
         self.has_joined = self.is_active = self.was_ended = False
-        self.work = Durations()
         self._asked: dict[str, str] = {}
 
     # What a node fills in ------------------------------------------------------------------------------------------
@@ -99,6 +97,7 @@ class HeaveNode(PortedNode):
         self._ports.outputs.append(self._ports.part)
         try:
             self._diagnostics = self.add_output(topics.DIAGNOSTICS)
+            self.own_time = TickTiming(self.name, self.run.time_budget_of(self.name), self.run.tick_period)
             self.join_protocol()
             self.has_joined = True
             self.on_build()
@@ -244,8 +243,10 @@ class HeaveNode(PortedNode):
 
     def diagnose_timing(self) -> list[Health]:
         """Return this node's own time and how the messages of external nodes arrive, in wall time; not in lockstep."""
-        own = [timing_health("work in a tick", self.work)] if len(self.work) else []
-        return [*own, *(part for timing in self._ports.timings.values() for part in timing.diagnose())]
+        return [
+            *self.own_time.diagnose(),
+            *(part for timing in self._ports.timings.values() for part in timing.diagnose()),
+        ]
 
     def diagnose_inputs(self) -> list[Health]:
         """Return what is to be said of the clocks of external nodes, and of messages that were refused."""

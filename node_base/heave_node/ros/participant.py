@@ -279,7 +279,8 @@ class ParticipantNode(HeaveNode):
 
     def _step(self) -> None:
         """Do this node's part of the tick, answer, and enter the next tick if one is queued."""
-        began = time.perf_counter()
+        if not self.run.is_lockstep:
+            self.own_time.began()
         start = self._starts.popleft()
         tick = self.tick
         assert tick is not None
@@ -294,7 +295,7 @@ class ParticipantNode(HeaveNode):
         self._done_with = start
         self._answer(start, is_due=start.flush or self.answers(start.tick))
         if not self.run.is_lockstep:
-            self.work.add(time.perf_counter() - began)
+            self.own_time.ended(1e-9 * (self.clock_of_run.now(time.monotonic_ns()) - start.stamp))
         if not self._starts and not start.flush and start.tick < self.run.tick_count:
             self.fail_on_error(lambda: self.prepare(start.tick + 1))
         after_tick()

@@ -52,7 +52,7 @@ class Sensor:
         axes: Array | float = 1.0,
     ) -> None:
         self.name = name
-        self.faults = FaultSchedule(parameters.faults, name=name, device="sensor")
+        self.faults = FaultSchedule(parameters.faults, name=name, device="sensor", seed=seed)
         self._parameters = parameters
         self._ones = np.ones(width)
         self._tick_period = tick_period
@@ -96,7 +96,7 @@ class Sensor:
         if any(view.resolution):
             read = np.array([*map(quantised, read.tolist(), view.resolution)])
         reading = Reading(time, read, sigma)
-        delay = self._parameters.latency + view.extra_latency + self.faults.total("delay", time)
+        delay = self._parameters.latency + view.extra_latency + self.faults.lateness(time)
         self._under_way.append((time + delay, reading))
 
     def _deliver(self, time: float) -> tuple[Reading, ...]:

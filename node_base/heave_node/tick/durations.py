@@ -25,7 +25,7 @@ class Durations:
 
     def __init__(self) -> None:
         self._newest: deque[float] = deque(maxlen=KEPT)
-        self._count, self._largest = 0, 0.0
+        self._count, self._largest, self._seen = 0, 0.0, 0
         self._fine = np.zeros(FINE_CLASSES, dtype=np.int64)
         self._classes = [0] * (len(EDGES) + 1)
 
@@ -39,6 +39,11 @@ class Durations:
         self._largest = max(self._largest, value)
         self._fine[_fine_class(value)] += 1
         self._classes[bisect_left(EDGES, value)] += 1
+
+    def take_new(self) -> list[float]:
+        """Return the durations since the last call [s], the newest KEPT at most, newest first."""
+        new, self._seen = self._count - self._seen, self._count
+        return list(islice(reversed(self._newest), new))
 
     def percentiles(self, last: int | None = None, more: tuple[float, ...] = ()) -> tuple[float, float, float]:
         """Return p50, p99 and the largest [s]; zeros without any.

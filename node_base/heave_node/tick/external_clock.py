@@ -63,6 +63,7 @@ class ExternalClock:
         self._lead = 0
         self._delays: deque[float] = deque(maxlen=_JITTER_SAMPLES)
         self._far_in_a_row = 0
+        self._newest = (0, 0)  # stamp, and its simulated time [ns]
 
     def simulated_time(self, stamp: int, arrival: int, wall: int | None = None) -> int:
         """Return when a message was measured, in simulated time [ns].
@@ -86,7 +87,15 @@ class ExternalClock:
             return stamp
         wall = arrival if wall is None else wall
         self._lead = arrival - wall
-        return self._of_own_clock(stamp, wall) + self._lead
+        return self._in_order(stamp, self._of_own_clock(stamp, wall) + self._lead)
+
+    def _in_order(self, stamp: int, time: int) -> int:
+        """Return the `time` of a `stamp` after that of an older one, which a better offset may have overtaken."""
+        if stamp > self._newest[0]:
+            is_near = self._newest[1] - time < _NEAR  # else simulated time has begun again
+            self._newest = stamp, max(time, self._newest[1] + 1) if is_near else time
+            return self._newest[1]
+        return time
 
     def _check(self, stamp: int, arrival: int) -> None:
         if self.rule is ClockRule.NONE:

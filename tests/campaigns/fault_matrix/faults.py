@@ -58,6 +58,10 @@ class Kind:
         return f"{self.device} {self.kind}"
 
 
+NOT_DRAWN = ("clear", "jitter")
+"""Kinds that the matrix has no row for: one is no fault, the other came after the seeds of its cases were used."""
+
+
 def _of_sensor(device: str, known: str, unit: float) -> list[Kind]:
     """Return the faults of a sensor; steps count in so many of its `unit`."""
     drawings = {
@@ -71,7 +75,7 @@ def _of_sensor(device: str, known: str, unit: float) -> list[Kind]:
     return [
         Kind(device, kind, (device,), MOVING if kind in hidden else ALWAYS, drawings.get(kind, nothing))
         for kind in faults_of(known)
-        if kind != "clear"
+        if kind not in NOT_DRAWN
     ]
 
 
@@ -93,7 +97,7 @@ KINDS: tuple[Kind, ...] = (
     *_of_sensor("encoder", "encoder", 1.0),
     *_of_sensor("depth", "sensor", 1.0),
     *_of_sensor("load_cell", "sensor", 1e5),
-    *(Kind("winch", kind, ("winch",), *_WINCH[kind]) for kind in faults_of("winch") if kind != "clear"),
+    *(Kind("winch", kind, ("winch",), *_WINCH[kind]) for kind in faults_of("winch") if kind not in NOT_DRAWN),
     Kind("orders", "nan", ("orders",)),
     Kind("orders", "reversed", ("winch", "encoder"), MOVING),
     Kind("orders", "factor", ("winch", "encoder"), MOVING, spread(3.0, 100.0)),

@@ -112,12 +112,8 @@ class MotionReferenceUnit:
         self._taken = DrivenOscillator(
             cut_off, damping, value_gain=cut_off**2, rate_gain=2.0 * damping * cut_off, period=tick_period
         )
-        self.faults = FaultSchedule(
-            parameters.faults,
-            name="mru",
-            device="mru",
-            usual_duration={"restart": parameters.restart_duration},
-        )
+        usual = {"restart": parameters.restart_duration}
+        self.faults = FaultSchedule(parameters.faults, name="mru", device="mru", usual_duration=usual, seed=seed)
         self._faulty_values = FaultyValues(self.faults, _IN_HEAVE, _OF_HEAVE)
         # what a stamp does not account for is late by a whole tick, as all that arrives is
         unaccounted = math.ceil(max(parameters.stamp_error, 0.0) / tick_period - _TICK_ROUNDING)
@@ -233,7 +229,7 @@ class MotionReferenceUnit:
 
     def _reading(self, tick: int, row: int, now: float) -> MruReading | None:
         p = self._parameters
-        late = self._late_ticks + round(self.faults.total("delay", now) / self._period)
+        late = self._late_ticks + round(self.faults.lateness(now) / self._period)
         measured_at = (tick - late) * self._period
         if late >= min(tick, self._kept) or measured_at <= self._last_delivered:
             return None

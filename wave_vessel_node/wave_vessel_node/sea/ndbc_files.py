@@ -48,8 +48,8 @@ def read_ndbc(path: Path, *, accept_implausible: bool = False) -> SpectrumFile:
     header = lines[0].split()
     if not header or not header[0].lstrip("#").upper().startswith("YY"):
         raise SpectrumFileError(
-            f"{path}: line 1: expected an NDBC header starting with YY or #YY (or NetCDF, or SWAN's text), got "
-            f"{lines[0][:40].strip()!r}"
+            f"{path}: line 1: expected an NDBC header starting with YY or #YY (or NetCDF, or text of a model or buoy "
+            f"that wavespectra reads), got {lines[0][:40].strip()!r}"
         )
     findings = _Findings(str(path), accept_implausible)
     real_time = "(freq" in lines[0].replace(" ", "").lower()

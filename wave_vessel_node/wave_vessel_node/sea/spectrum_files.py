@@ -296,7 +296,7 @@ def _compare(path: Path, records: list[SpectrumRecord], heights: Any, warnings: 
 
 
 def read_spectra(path: str | Path, *, accept_implausible: bool = False) -> SpectrumFile:
-    """Read the spectra of the file at `path`: NetCDF and SWAN's text by `wavespectra`, any other as NDBC's text.
+    """Read the spectra of the file at `path`: NetCDF and known text by `wavespectra`, any other as NDBC's text.
 
     Parameters
     ----------

@@ -56,19 +56,8 @@ def figures_of(device: LiveDevice) -> dict[str, float]:
 
 
 _WRONG = (
-    "gaps",
-    "bursts",
-    "timeouts",
-    "invalid",
-    "checksum_errors",
-    "incomplete_lines",
-    "malformed",
-    "lost",
-    "refusals",
-    "time_glitches",
-    "clock_restarts",
-    "old_samples",
-    "other_senders",
+    *("gaps", "bursts", "timeouts", "invalid", "checksum_errors", "incomplete_lines", "malformed", "lost", "refusals"),
+    *("time_glitches", "clock_restarts", "old_samples", "other_senders"),
 )
 
 
@@ -118,8 +107,10 @@ def _cause_of_silence(device: LiveDevice, before: Mapping[str, float]) -> str:
     unavailable = ", ".join(f"{name} reads {value:.10g}" for name, value in taker.unavailable.items())
     is_silent = counters is not None and counters.bytes == before.get("bytes", 0)
     broken = counters.checksum_errors - before.get("checksum_errors", 0) if counters is not None else 0
+    old = figures_of(device)["old_samples"] - before.get("old_samples", 0)
     causes = [
         ("nothing received. Check power, cable, address and baud rate", is_silent),
+        ("its own time goes back. Check the map's device_time and clock", old > 0),
         (f"{broken:g} wrong checksums. Check cable, baud rate and the map's checksum", broken > 0),
         (f"{unavailable}, which stands for not available. Check the drive or sensor: is it referenced?", unavailable),
         (taker.worst, taker.worst),

@@ -89,7 +89,10 @@ def ask(event: Event) -> None:
 def words_of(device: LiveDevice, otherwise: str = "") -> str:
     """Return in words why a winch, `device`, does not move; `otherwise` where it is heard and has no problem."""
     is_heard = otherwise and not device.adapter.watch.is_stale(time.monotonic())
-    return device.problem or (otherwise if is_heard else stale_words(device, time.monotonic()))
+    words = device.problem or (otherwise if is_heard else stale_words(device, time.monotonic()))
+    command = device.device.command
+    is_unfed = device.adapter.newest.get("fault") and command is not None and not command.counts
+    return f"{words}; the map sends it no watchdog: does it need one?" if is_unfed else words
 
 
 def is_winch(device: DeviceMap) -> bool:

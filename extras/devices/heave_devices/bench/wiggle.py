@@ -88,12 +88,13 @@ def judge(readings: Sequence[Reading], distance: float) -> list[Verdict]:
     if not all(map(math.isfinite, (first, middle, last))):
         return [Verdict("payout", False, "the winch did not say where it is in each rest: check the link")]
     out, back = middle - first, last - middle
-    verdicts = [_compare("payout, out", out, distance), _compare("payout, back", back, -distance)]
     turning = [found for found in readings if REST_TIME < found.time <= 2.0 * REST_TIME + MOVE_TIME]
     rates = [found for found in turning if math.isfinite(found.payout_rate)]
+    by_rate = sum(0.5 * (a.payout_rate + b.payout_rate) * (b.time - a.time) for a, b in pairwise(rates))
+    has_turned = abs(by_rate / distance - 1.0) <= _SHARE
+    moves = (("payout, out", out, distance), ("payout, back", back, -distance))
+    verdicts = [_compare(*move, has_turned=has_turned) for move in moves]
     if len(rates) > 1:
-        steps = pairwise(rates)
-        by_rate = sum(0.5 * (a.payout_rate + b.payout_rate) * (b.time - a.time) for a, b in steps)
         verdicts.append(_compare("payout rate, out", by_rate, out if verdicts[0].is_good else distance))
     return verdicts
 
@@ -110,11 +111,13 @@ def _place(readings: Sequence[Reading], end: float) -> float:
     return statistics.fmean(found) if found else math.nan
 
 
-def _compare(what: str, found: float, wanted: float) -> Verdict:
+def _compare(what: str, found: float, wanted: float, *, has_turned: bool = False) -> Verdict:
     words = f"{1e3 * wanted:+.1f} mm expected, {1e3 * found:+.1f} mm read"
     ratio = found / wanted
     if abs(ratio - 1.0) <= _SHARE:
         return Verdict(what, True, words)
+    if has_turned:
+        return Verdict(what, False, f"{words}, while the speed is as ordered. Check unit, scale and sign of payout")
     if abs(ratio + 1.0) <= _SHARE:
         return Verdict(what, False, f"{words}: reversed. Check positive, in the quantity and in the command")
     if abs(ratio) < _SHARE:

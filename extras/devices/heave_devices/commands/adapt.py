@@ -103,7 +103,7 @@ def _serve(options: argparse.Namespace, maps: list[DeviceMap]) -> None:
     write_result(options, summary_table(session.devices), result)
     silent = [device for device in session.devices if not sum(device.adapter.published.values())]
     if silent:
-        raise CommandError(f"{silent[0].device.name}: {stale_words(silent[0], time.monotonic())}")
+        raise CommandError(f"{silent[0].device.name}: {silent[0].problem or stale_words(silent[0], time.monotonic())}")
 
 
 def _wiggle(options: argparse.Namespace, session: Session) -> None:

@@ -39,7 +39,7 @@ _LENGTHS = {"cm": 0.01, "mm": 0.001, "ft": 0.3048, "feet": 0.3048, "dm": 0.1, "i
 _ANGLES = {word: math.radians(1.0) for word in ("deg", "degs", "degree", "degrees", "°", "º")} | {"mrad": 1e-3}
 """Units that headings state, in metres and radians."""
 _SENTENCE = re.compile(r"([$!](?:P[A-Z]{3,}|[A-Z]{5})),[^*]*(\*[0-9A-Fa-f]{2})?")
-_NOVATEL = re.compile(r"\s*#([A-Z0-9]+A),[^;]*;")
+_NOVATEL = re.compile(r"\s*[#%]([A-Z0-9]+A),[^;]*;")
 """Head of a log of NovAtel's receivers in ASCII (OEM7 Commands and Logs Reference Manual, ASCII message format)."""
 _GROUPED = re.compile(r"[+-]?(\d{1,3}([.,' ]\d{3})+([.,]\d*)?|\d+,\d+)")
 """A number with marks for thousands, or with a decimal comma where the others have points."""
@@ -231,8 +231,8 @@ def _refuse_sentences(lines: Sequence[str]) -> None:
     written = [line for line in lines[:200] if line.strip()]
     if (logs := [match[1] for line in written if (match := _NOVATEL.match(line))]) and 2 * len(logs) > len(written):
         raise ColumnsError(
-            f"{len(lines)} lines of NovAtel's ASCII logs ({', '.join(dict.fromkeys(logs))}), which begin with #: "
-            "--mapping novatel_ascii reads INSPVA"
+            f"{len(lines)} lines of NovAtel's ASCII logs ({', '.join(dict.fromkeys(logs))}): "
+            "--mapping novatel_ascii reads INSPVA and INSPVAS"
         )
     found = [match[1] for line in lines[:200] if (match := _SENTENCE.search(line))]
     if found and 2 * len(found) > len(written):

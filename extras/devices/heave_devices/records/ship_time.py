@@ -30,12 +30,8 @@ _DAY_ZEROS = ((7e5, 8e5, 719529.0, "Matlab"), (2e4, 8e4, 25569.0, "Excel"))
 """Serial days: between which numbers, number of 1 January 1970, and who counts so."""
 _GPS_EPOCH, _LEAP_SECONDS = 315964800.0, 18.0
 """Start of GPS time [s of Unix time], and by how much it is ahead of UTC since 2017 [s]."""
-_MONTHS = {
-    name: number
-    for number, name in enumerate(
-        ["jan", "feb", "mar", "apr", "may", "jun", "jul", "aug", "sep", "oct", "nov", "dec"], 1
-    )
-}
+_NAMES = ("jan", "feb", "mar", "apr", "may", "jun", "jul", "aug", "sep", "oct", "nov", "dec")
+_MONTHS = {name: number for number, name in enumerate(_NAMES, 1)}
 _TEXT = re.compile(
     r"(?:(?P<compact>\d{8})|(?P<a>\d{1,4})(?P<sign>[-/. ])(?P<b>\d{1,2}|[A-Za-z]{3})(?P=sign)(?P<c>\d{1,4}))?"
     r"[T ]*"

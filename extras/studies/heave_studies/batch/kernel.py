@@ -1,7 +1,7 @@
-"""A whole lift in one compiled loop: the line's integrator, the servo, a stationary filter and a linear law.
+"""Whole lifts in one compiled loop: line, servo, a stationary filter and a linear law, lifts innermost.
 
-Line and servo are the plant's own kernels, and the plant with the winch locked runs beside it. Filter and law are
-matrices: x = A x + B u, then x += K (y - H x), and u = -G x.
+The servo is the plant's own kernel, and the line with the winch locked has run before. Filter and law are matrices:
+x = A x + B u, then x += K (y - H x), and u = -G x.
 """
 
 from __future__ import annotations
@@ -11,12 +11,24 @@ from typing import NamedTuple
 
 import numpy as np
 from cable_sim_node.line import layout as at
+from cable_sim_node.line import step
 from cable_sim_node.line.arrays import LineArrays
-from cable_sim_node.line.step import advance
 from cable_sim_node.winch.drive import speed_step
 from heave_bringup.closed_loop import COLUMNS
 from heave_node.numerics.arrays import Array
-from heave_node.numerics.compiled import kernel
+from heave_node.numerics.compiled import inlined_kernel, kernel
+
+from heave_studies.batch.line import (
+    LANES,
+    SEEN_TENSION,
+    Lanes,
+    V,
+    Z,
+    advance,
+)
+from heave_studies.batch.line import (
+    TENSION as SEGMENT_TENSION,
+)
 
 _COLUMN = {name: index for index, name in enumerate(COLUMNS)}
 TIME, BOOM_TIP, UNIT, OFF = (_COLUMN[name] for name in ("time", "boom_tip", "unit", "uncompensated"))
@@ -32,8 +44,8 @@ MRU_HEAVE, MRU_RATE, DEPTH, ENCODER = range(4)
 NOISY = (MRU_HEAVE, MRU_RATE, DEPTH)
 """Readings of which the filter follows the noise."""
 
-DONE, LOST = 0, 1
-"""How a lift ended: at its end, or where the line could not be followed."""
+OFF_HEAVE, OFF_RATE, OFF_TOP, OFF_LARGEST = range(4)
+"""What is kept of the locked line at each tick: height [m] and velocity [m/s] of the unit, tension [N], its largest."""
 
 
 class Control(NamedTuple):
@@ -50,14 +62,14 @@ class Control(NamedTuple):
 
 
 class Course(NamedTuple):
-    """What comes from outside, for t_1 to t_{k+1}."""
+    """What comes from outside to each lift, for t_1 to t_{k+1}."""
 
-    tips: Array  # position of the boom tip [m], shape (k + 1, 3)
-    velocities: Array  # [m/s], shape (k + 1, 3)
-    readings: Array  # heave [m] and its rate [m/s] that the MRU delivers, NaN where it does not, shape (k + 1, 2)
-    depth_noise: Array  # of the depth measured at each tick [m], shape (k + 1,)
+    tips: Array  # height of the boom tip [m] and its rate [m/s], shape (k + 1, 2, LANES)
+    # heave [m] and its rate [m/s] that the MRU delivers, NaN where it does not, shape (k + 1, 2, LANES)
+    readings: Array
+    depth_noise: Array  # of the depth measured at each tick [m], shape (k + 1, LANES)
     # what the filter assumes over what it was designed for, as a logarithm: the noise of each of NOISY, the height of
-    # the sea; shape (k + 1, 4)
+    # the sea; shape (k + 1, 4, LANES)
     levels: Array
 
 
@@ -76,42 +88,94 @@ class Timing(NamedTuple):
     power_limit: float  # [W], infinite where there is none
 
 
-@kernel
-def _move_on(line: LineArrays, course: Course, k: int, timing: Timing, begin: Array, end: Array) -> int:
-    """Take a `line` from t_{k+1} to t_{k+2}; `begin` and `end` are payout and rate [m], [m/s]. Return the outcome."""
-    lengths = (timing.tick_period, timing.length + begin[0], begin[1], timing.length + end[0], end[1])
-    tips, velocities = course.tips, course.velocities
-    return advance(
-        line.tiles, line.numbers, line.water, line.band, tips[k], velocities[k], tips[k + 1], velocities[k + 1], lengths
-    )
+@inlined_kernel
+def _move_on(lanes: Lanes, course: Course, k: int, timing: Timing, drums: Array, ends: Array, work: Array) -> None:
+    """Take the lines from t_{k+1} to t_{k+2}.
+
+    Parameters
+    ----------
+    lanes, course, timing : of the lifts
+    k : tick
+    drums : payout and its rate at the start, the same at the end [m], [m/s], shape (4, LANES)
+    ends, work : scratch, shapes (8, LANES), (11, LANES)
+    """
+    tips, lengths = ends[:4], ends[4:]
+    for column in range(2):
+        for lane in range(LANES):
+            tips[column, lane], tips[2 + column, lane] = course.tips[k, column, lane], course.tips[k + 1, column, lane]
+            offset = timing.length if column == 0 else 0.0
+            lengths[column, lane] = offset + drums[column, lane]
+            lengths[2 + column, lane] = offset + drums[2 + column, lane]
+    advance(lanes, timing.tick_period, tips, lengths, work)
 
 
 @kernel
+def hang(lanes: Lanes, course: Course, timing: Timing, locked: Array) -> None:
+    """Run lines of which the winch is `locked`: fill what is kept of them, shape (k, 4, LANES)."""
+    drums, ends, work = np.zeros((4, LANES)), np.zeros((8, LANES)), np.zeros((11, LANES))
+    for k in range(len(locked)):
+        for lane in range(LANES):
+            locked[k, OFF_HEAVE, lane], locked[k, OFF_RATE, lane] = lanes.cells[Z + lane], lanes.cells[V + lane]
+            locked[k, OFF_TOP, lane] = locked[k, OFF_LARGEST, lane] = lanes.seen[SEEN_TENSION, lane]
+        _move_on(lanes, course, k, timing, drums, ends, work)
+
+
+@kernel
+def hang_alone(line: LineArrays, course: Course, timing: Timing, lane: int, locked: Array) -> bool:
+    """Do `hang` for one lift by the plant's own `line`, which may be slack; return whether it could be followed."""
+    start, end, speed, end_speed = np.zeros((4, 3))
+    lengths = (timing.tick_period, timing.length, 0.0, timing.length, 0.0)
+    for k in range(len(locked)):
+        locked[k, OFF_HEAVE, lane], locked[k, OFF_RATE, lane] = line.tiles[0, at.Z], line.tiles[0, at.VZ]
+        locked[k, OFF_TOP, lane] = line.numbers[at.SEEN_TENSION]
+        locked[k, OFF_LARGEST, lane] = line.numbers[at.SEEN_LARGEST]
+        start[2], speed[2] = course.tips[k, 0, lane], course.tips[k, 1, lane]
+        end[2], end_speed[2] = course.tips[k + 1, 0, lane], course.tips[k + 1, 1, lane]
+        outcome = step.advance(line.tiles, line.numbers, line.water, line.band, start, speed, end, end_speed, lengths)
+        if outcome != at.DONE:
+            return False
+    return True
+
+
+@inlined_kernel
+def _correct(control: Control, phase: int, m: int, left: Array, levels: Array, x: Array, moved: Array) -> None:
+    """Take reading `m`, from which what is predicted is taken off in `left`; arguments as in `_filter`."""
+    n = len(x)
+    for i in range(n):
+        share = control.rows[m, i]
+        if share != 0.0:
+            for lane in range(LANES):
+                left[lane] -= share * moved[i, lane]
+    for i in range(n):
+        gain, slopes = control.gains[phase, m, i], control.by_level[:, phase, m, i]
+        for lane in range(LANES):
+            change = slopes[0] * levels[0, lane] + slopes[1] * levels[1, lane]
+            change += slopes[2] * levels[2, lane] + slopes[3] * levels[3, lane]
+            x[i, lane] += (gain + change) * left[lane]
+
+
+@inlined_kernel
 def _filter(
-    control: Control, phase: int, command: float, readings: Array, levels: Array, x: Array, moved: Array
+    control: Control, phase: int, command: Array, readings: Array, is_due: Array, levels: Array, x: Array, moved: Array
 ) -> None:
-    """Predict x and take the `readings` that are numbers, at `levels` and a `phase` of the pattern."""
-    n = x.size
+    """Predict x and take the `readings` that are due, at `levels` and a `phase` of the pattern.
+
+    Arrays have a column for each lift: `x` and `moved` (n, LANES), `command` (LANES,), `readings` (4, LANES).
+    """
+    n = len(x)
     for i in range(n):
-        moved[i] = control.command[i] * command
+        for lane in range(LANES):
+            moved[i, lane] = control.command[i] * command[lane]
     for j in range(n):
-        share = x[j]
         for i in range(n):
-            moved[i] += control.transition[j, i] * share
-    for i in range(n):
-        x[i] = moved[i]
-    for m in range(readings.size):
-        predicted = 0.0
-        for i in range(n):
-            predicted += control.rows[m, i] * moved[i]
-        left = readings[m] - predicted
-        if math.isfinite(left):
-            for i in range(n):
-                x[i] += control.gains[phase, m, i] * left
-            for level in range(levels.size):
-                share = levels[level] * left
-                for i in range(n):
-                    x[i] += control.by_level[level, phase, m, i] * share
+            share = control.transition[j, i]
+            if share != 0.0:
+                for lane in range(LANES):
+                    moved[i, lane] += share * x[j, lane]
+    x[:] = moved
+    for m in range(len(readings)):
+        if is_due[m]:
+            _correct(control, phase, m, readings[m], levels, x, moved)
 
 
 @kernel
@@ -141,79 +205,106 @@ def heights_seen(
     return found
 
 
-@kernel
-def _command_of(control: Control, x: Array, authority: float, heave: float, rate: float) -> float:
-    """Return u at an `authority`; the locked unit moves by `heave` and `rate` (core: `shift_state`)."""
-    command = 0.0
-    for i in range(x.size):
-        command -= control.law[i] * x[i] * (authority if control.of_sea[i] > 0.0 else 1.0)
-    off: float = control.law[control.unit[0]] * heave + control.law[control.unit[1]] * rate
-    return command + (1.0 - authority) * off
+@inlined_kernel
+def _take_commands(control: Control, x: Array, authority: float, off: Array, commands: Array) -> None:
+    """Set u of each lift at an `authority`; the locked units move by `off`, (2, LANES) (core: `shift_state`)."""
+    heave, rate = control.law[control.unit[0]], control.law[control.unit[1]]
+    for lane in range(LANES):
+        commands[lane] = (1.0 - authority) * (heave * off[0, lane] + rate * off[1, lane])
+    for i in range(len(x)):
+        share = -control.law[i] * (authority if control.of_sea[i] > 0.0 else 1.0)
+        for lane in range(LANES):
+            commands[lane] += share * x[i, lane]
 
 
-@kernel
-def _write(row: Array, plant: LineArrays, locked: LineArrays, drum: Array, authority: float) -> None:
-    """Write the state of a tick to a row of the record."""
-    own, other = plant.numbers, locked.numbers
-    row[UNIT], row[UNIT_RATE] = plant.tiles[0, at.Z], plant.tiles[0, at.VZ]
-    row[OFF] = locked.tiles[0, at.Z]
-    row[TENSION], row[PEAK] = own[at.SEEN_TENSION], own[at.SEEN_LARGEST]
-    row[OFF_TENSION], row[OFF_PEAK] = other[at.SEEN_TENSION], other[at.SEEN_LARGEST]
-    row[UNIT_TENSION], row[SLACK] = plant.tiles[0, at.TENSION], own[at.SEEN_SLACK]
-    row[TOUCHDOWN], row[SET_POINT], row[AUTHORITY] = own[at.SEEN_BED], 0.0, authority
-    row[PAYOUT], row[RATE], row[ACCELERATION], row[LIMITS] = drum[0], drum[1], drum[2], drum[3]
+@inlined_kernel
+def _write(record: Array, k: int, lanes: Lanes, locked: Array, drums: Array, authority: float) -> None:
+    """Write the state of tick `k` to the record of each lift."""
+    for lane in range(LANES):
+        row = record[lane, k]
+        row[UNIT], row[UNIT_RATE] = lanes.cells[Z + lane], lanes.cells[V + lane]
+        row[OFF], row[OFF_TENSION], row[OFF_PEAK] = locked[0, lane], locked[2, lane], locked[3, lane]
+        row[TENSION] = row[PEAK] = lanes.seen[SEEN_TENSION, lane]
+        row[UNIT_TENSION], row[AUTHORITY] = lanes.cells[SEGMENT_TENSION + lane], authority
+        row[PAYOUT], row[RATE] = drums[0, lane], drums[1, lane]
+        row[ACCELERATION], row[LIMITS] = drums[2, lane], drums[3, lane]
+
+
+@inlined_kernel
+def _read(
+    k: int, timing: Timing, course: Course, heave: Array, first: Array, drums: Array, readings: Array, is_due: Array
+) -> None:
+    """Set the readings of tick `k`, and which of them are due.
+
+    `heave` is that of each unit until now (k, LANES), `first` what its depth counts from (LANES,).
+    """
+    measured = k - timing.depth_age
+    is_due[DEPTH] = measured >= 0 and (measured + 1) % timing.depth_period == 0
+    is_due[ENCODER] = k > 0
+    for m in (MRU_HEAVE, MRU_RATE):
+        is_due[m] = math.isfinite(course.readings[k, m, 0])
+        readings[m] = course.readings[k, m]
+    if is_due[DEPTH]:
+        readings[DEPTH] = heave[measured] - course.depth_noise[measured] - first
+    step_size = timing.resolution
+    for lane in range(LANES):
+        payout = drums[0, lane]
+        readings[ENCODER, lane] = step_size * np.rint(payout / step_size) if step_size > 0.0 else payout
+
+
+@inlined_kernel
+def _turn(timing: Timing, servo: Array, decay: float, sent: Array, tension: Array, drums: Array) -> None:
+    """Let the drums follow what was `sent` [m/s] over a tick: payout, rate, acceleration, limits that acted."""
+    for lane in range(LANES):
+        power_speed = timing.power_limit / max(tension[lane], 1.0)
+        drums[0, lane], drums[1, lane], drums[3, lane] = speed_step(
+            drums[0, lane], drums[1, lane], sent[lane], power_speed, servo[0], decay, timing.tick_period
+        )
+        drums[2, lane] = (sent[lane] - drums[1, lane]) / servo[0].time_constant
 
 
 @kernel
 def fly(
-    plant: LineArrays, locked: LineArrays, control: Control, course: Course, timing: Timing, servo: Array, record: Array
-) -> tuple[int, float]:
-    """Run a lift; return how it ended, and the largest strain of the cable [-].
+    lanes: Lanes, locked: Array, control: Control, course: Course, timing: Timing, servo: Array, record: Array
+) -> None:
+    """Run lifts side by side.
 
     Parameters
     ----------
-    plant, locked : lines at rest at t_1
-    control, course, timing : of the lift
+    lanes : lines at rest at t_1
+    locked : what is kept of the same lines with the winch locked, shape (k, 4, LANES)
+    control, course, timing : of the lifts
     servo : `cable_sim_node.winch.drive.as_array` of the winch's settings
-    record : out, a row for each tick t_1 to t_k, columns COLUMNS
+    record : out, for each lift a row for each tick t_1 to t_k, columns COLUMNS; shape (LANES, k, len(COLUMNS))
     """
-    ticks, n, pattern = len(record), control.law.size, len(control.gains)
-    x, moved, readings = np.zeros(n), np.zeros(n), np.full(4, np.nan)
-    drum, before, rest = np.zeros(4), np.zeros(4), np.zeros(4)
-    commands, heave, begun = np.zeros(ticks), np.zeros(ticks), np.zeros(2)
+    ticks, n, pattern = record.shape[1], len(control.law), len(control.gains)
+    x, moved, readings, is_due = np.zeros((n, LANES)), np.zeros((n, LANES)), np.zeros((4, LANES)), np.zeros(4, np.bool_)
+    drums, both, off, begun = np.zeros((4, LANES)), np.zeros((4, LANES)), np.zeros((2, LANES)), np.zeros((2, LANES))
+    commands, heave, none = np.zeros((ticks, LANES)), np.zeros((ticks, LANES)), np.zeros(LANES)
+    ends, work = np.zeros((8, LANES)), np.zeros((11, LANES))
     decay = math.exp(-timing.tick_period / servo[0].time_constant)
-    zero, moves, strain = plant.tiles[0, at.Z], timing.start <= ticks, plant.numbers[at.SEEN_STRAIN]
+    zero = lanes.cells[Z]
     first = -course.depth_noise[timing.depth_period - 1]  # the depth counts from where its first reading was
     for k in range(ticks):
         authority = min(max((k + 1 - timing.start) * timing.fade_in, 0.0), 1.0)
-        _write(record[k], plant, locked, drum, authority)
-        record[k, TIME], record[k, BOOM_TIP] = (k + 1) * timing.tick_period, course.tips[k, 2] - timing.height
-        if moves:
-            heave[k] = plant.tiles[0, at.Z] - zero
-            measured = k - timing.depth_age
-            is_due = measured >= 0 and (measured + 1) % timing.depth_period == 0
-            readings[DEPTH] = heave[measured] - course.depth_noise[measured] - first if is_due else np.nan
-            readings[MRU_HEAVE], readings[MRU_RATE] = course.readings[k, 0], course.readings[k, 1]
-            step = timing.resolution
-            if k > 0:
-                readings[ENCODER] = step * np.rint(drum[0] / step) if step > 0.0 else drum[0]
-            _filter(control, (k + 1) % pattern, commands[k - 1] if k > 0 else 0.0, readings, course.levels[k], x, moved)
-            if k + 1 >= timing.start:
-                off, off_rate = locked.tiles[0, at.Z] - zero, locked.tiles[0, at.VZ]
+        _write(record, k, lanes, locked[k], drums, authority)
+        for lane in range(LANES):
+            record[lane, k, TIME] = (k + 1) * timing.tick_period
+            record[lane, k, BOOM_TIP] = course.tips[k, 0, lane] - timing.height
+            heave[k, lane] = lanes.cells[Z + lane] - zero
+        _read(k, timing, course, heave, first, drums, readings, is_due)
+        command = commands[k - 1] if k > 0 else none
+        _filter(control, (k + 1) % pattern, command, readings, is_due, course.levels[k], x, moved)
+        if k + 1 >= timing.start:
+            for lane in range(LANES):
+                off[0, lane], off[1, lane] = locked[k, OFF_HEAVE, lane] - zero, locked[k, OFF_RATE, lane]
                 if k + 1 == timing.start:  # the controller's own locked unit begins where its estimate is
-                    begun[0], begun[1] = x[control.unit[0]] - off, x[control.unit[1]] - off_rate
-                commands[k] = _command_of(control, x, authority, off + begun[0], off_rate + begun[1])
-            sent = commands[k - timing.delay] if k >= timing.delay else 0.0
-            before[:] = drum
-            power_speed = timing.power_limit / max(plant.numbers[at.SEEN_TENSION], 1.0)
-            drum[0], drum[1], limits = speed_step(
-                before[0], before[1], sent, power_speed, servo[0], decay, timing.tick_period
-            )
-            drum[2], drum[3] = (sent - drum[1]) / servo[0].time_constant, limits
-        outcome = _move_on(plant, course, k, timing, before, drum)
-        if moves and outcome == at.DONE:
-            outcome = _move_on(locked, course, k, timing, rest, rest)
-        strain = max(strain, plant.numbers[at.SEEN_STRAIN])
-        if outcome != at.DONE:
-            return LOST, strain
-    return DONE, strain
+                    begun[0, lane] = x[control.unit[0], lane] - off[0, lane]
+                    begun[1, lane] = x[control.unit[1], lane] - off[1, lane]
+            off += begun
+            _take_commands(control, x, authority, off, commands[k])
+        both[:2] = drums[:2]
+        sent = commands[k - timing.delay] if k >= timing.delay else none
+        _turn(timing, servo, decay, sent, lanes.seen[SEEN_TENSION], drums)
+        both[2:] = drums[:2]
+        _move_on(lanes, course, k, timing, both, ends, work)

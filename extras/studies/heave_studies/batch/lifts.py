@@ -1,7 +1,8 @@
 """Cases of one system in many seas, each as a record of the loop: the plant's own kernels under a fixed law.
 
 As in the loop in one process: sea and boom-tip heave, the noise of MRU, depth sensor and encoder (by the same seeds),
-line, locked line, servo, delays, law, and the fade-in of compensation. Not so: the filter is the stationary one of the
+servo, delays, law, the fade-in of compensation, and the lines, which hang straight down (`line`); a locked one that
+comes slack is the plant's own. Not so: the filter is the stationary one of the
 design, its gains straight in the noises and in the height of the sea as seen; compensation begins when the settling
 time is over, and waits for no proof; the boom tip moves vertically alone; no gate, mode, alarm or adviser acts. Where
 one of them would matter the lift is flagged, and belongs into the full loop.
@@ -10,7 +11,7 @@ one of them would matter the lift is flagged, and belongs into the full loop.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -29,8 +30,9 @@ from winch_controller_node.design.prediction import sensor_periods
 from winch_controller_node.design.seas import GROUP_MEMORY, GROUP_SHARE, MEMORY, PATIENCE, STEP
 from winch_controller_node.model.lqr import DesignError
 
-from heave_studies.batch.kernel import DONE, Control, Course, Timing, fly, heights_seen
+from heave_studies.batch.kernel import Control, Course, Timing, fly, hang, hang_alone, heights_seen
 from heave_studies.batch.law import READINGS, control_of, law_gain, noises_seen, not_covered, settling_share
+from heave_studies.batch.line import LANES, SEEN_GONE, SEEN_STRAIN, WHY_GONE, lanes_of, why_no_lanes
 
 NEAR = 0.8
 """Share of a limit of the winch from which on the law is not the free one (`near_limits.BEGINS` of the controller)."""
@@ -95,6 +97,8 @@ class LiftBatch:
         self._servo = drive.as_array(drive.settings_of(p.winch))
         self._rest = CableDynamics(p.plant)
         self._rest.start_at_equilibrium(np.array([0.0, 0.0, p.sea.boom_tip_height]), 0.0, time=dt)
+        if words := why_no_lanes(self._rest.arrays, dt):
+            raise NotCoveredError(words)
 
     @property
     def _start(self) -> int:
@@ -131,35 +135,57 @@ class LiftBatch:
             if not np.allclose(ticks, sensor_periods(design)[name], rtol=0.0, atol=1e-6):
                 raise NotCoveredError(f"readings of {name} that come between ticks, or otherwise than assumed")
 
-    def fly(self, seed: int) -> Flown:
-        """Run the lift in the sea of a `seed`.
+    def fly(self, seeds: Sequence[int]) -> list[Flown]:
+        """Run the lift in the sea of each of the `seeds`.
 
         Raises NotCoveredError where the sea has no components that last.
         """
-        record = LoopRecord(np.zeros((self._ticks, len(COLUMNS))))
-        plant = self._line()
-        locked = self._line() if self._moves else plant
-        timing, course = self._timing, self._course(seed)
-        ended, strain = fly(plant, locked, self._control, course, timing, self._servo, record.rows)
+        return [
+            one for first in range(0, len(seeds), LANES) for one in self._side_by_side(seeds[first : first + LANES])
+        ]
+
+    def _side_by_side(self, seeds: Sequence[int]) -> list[Flown]:
+        """Run the lift in the seas of at most LANES `seeds`; lanes that are left run the last one again."""
+        timing, course = self._timing, self._course([*seeds, *[seeds[-1]] * (LANES - len(seeds))])
+        locked = np.zeros((self._ticks, 4, LANES))
+        lanes = lanes_of(self._rest.arrays)
+        hang(lanes, course, timing, locked)
+        lost = [
+            lane for lane in range(len(seeds)) if lanes.seen[SEEN_GONE, lane] and not self._hang(lane, course, locked)
+        ]
+        rows = np.zeros((LANES, self._ticks, len(COLUMNS)))
+        lanes = lanes_of(self._rest.arrays)
+        fly(lanes, locked, self._control, course, timing, self._servo, rows)
         waits = min(timing.start - 1, self._ticks) if self._moves else 0
-        record.modes = [Mode.STANDBY.value] * waits
-        record.modes += [(Mode.COMPENSATING if self._moves else Mode.OFF).value] * (self._ticks - waits)
-        return Flown(record, strain, "the line could not be followed" if ended != DONE else self._flag(record))
+        modes = [Mode.STANDBY.value] * waits
+        modes += [(Mode.COMPENSATING if self._moves else Mode.OFF).value] * (self._ticks - waits)
+        found = []
+        for lane, gone in enumerate(lanes.seen[SEEN_GONE, : len(seeds)].astype(int)):
+            record = LoopRecord(rows[lane], modes)
+            flag = "the line could not be followed" if lane in lost else WHY_GONE[gone] or self._flag(record)
+            found.append(Flown(record, float(lanes.seen[SEEN_STRAIN, lane]), flag))
+        return found
 
-    def _line(self) -> LineArrays:
-        return LineArrays(*(part.copy() for part in self._rest.arrays))
+    def _hang(self, lane: int, course: Course, locked: Array) -> bool:
+        """Run the locked line of one lift by the plant's own; return whether it could be followed."""
+        line = LineArrays(*(part.copy() for part in self._rest.arrays))
+        return bool(hang_alone(line, course, self._timing, lane, locked))
 
-    def _course(self, seed: int) -> Course:
+    def _course(self, seeds: Sequence[int]) -> Course:
+        of_seed = {seed: self._sea(seed) for seed in dict.fromkeys(seeds)}
+        return Course(*(np.stack(parts, axis=-1) for parts in zip(*(of_seed[seed] for seed in seeds), strict=True)))
+
+    def _sea(self, seed: int) -> tuple[Array, Array, Array, Array]:
+        """Return what comes to the lift of a `seed`, as `Course` has it of each."""
         p, count = self._p, self._ticks + 1
         heave = boom_tip_heave(p.sea, seed, p.tick_period, count)
         if heave is None:
             raise NotCoveredError("a sea without components that last")
-        tips, velocities = np.zeros((2, count, 3))
-        tips[:, 2], velocities[:, 2] = p.sea.boom_tip_height + heave[:, 0], heave[:, 1]
+        tips = heave[:, :2] + [p.sea.boom_tip_height, 0.0]
         readings = MotionReferenceUnit(p.sea.mru, seed=seed, tick_period=p.tick_period).series(heave)
         noise = p.plant.sensors.depth.noise * random_stream(seed, "cable_sim/depth").standard_normal(count)
         levels = self._levels(heave[:, 0], readings, noise) if self._moves else np.zeros((count, 4))
-        return Course(tips, velocities, readings, noise, levels)
+        return tips, readings, noise, levels
 
     def _levels(self, heave: Array, readings: Array, depth_noise: Array) -> Array:
         """Return what the filter assumes of noises and sea at each tick, see `Course`."""
@@ -211,8 +237,6 @@ def _near_tensions(record: LoopRecord, p: LoopParameters) -> bool:
 
 
 FLAGS: dict[str, Callable[[LoopRecord, LoopParameters], bool]] = {
-    "a slack cable": lambda record, _: _any(record, "slack_segments"),
-    "the unit on the seabed": lambda record, _: _any(record, "touchdown_force"),
     "near the ends of the payout": _near_ends,
     "near the tensions that the law keeps": _near_tensions,
 }

@@ -29,6 +29,7 @@ def execute(options: argparse.Namespace) -> None:
     from heave_bringup.output import make_table, write_result
     from heave_node.parameters import ParameterError
 
+    from heave_studies.qualify.cases import write_cases
     from heave_studies.qualify.claims import read_models
     from heave_studies.qualify.determinism import differences, run_hashes
     from heave_studies.qualify.page import package_list, render
@@ -42,6 +43,7 @@ def execute(options: argparse.Namespace) -> None:
     tests = list(dict.fromkeys(test for model in models for claim in model.claims for test in claim.tests))
     folder.mkdir(parents=True, exist_ok=True)
     (folder / "versions.txt").write_text(package_list(), encoding="utf-8")
+    write_cases(folder / "cases")
     hashes, sensitivity, is_interrupted = [], "<p>Not run.</p>", False
     try:
         run_tests(tests, folder, quick=options.quick, processes=processes)

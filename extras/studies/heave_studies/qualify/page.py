@@ -90,13 +90,13 @@ def _chapter(model: Model, verdicts: Sequence[Verdict]) -> dict[str, Any]:
 
 
 def numbers(one: Mapping[str, Any] | None) -> tuple[str, ...]:
-    """Return error and tolerance of `one` comparison in words: SI, or in % of the reference where the test does so."""
+    """Return error, tolerance and reference of `one` comparison: SI, the first two in % where the test does so."""
     if one is None:
-        return "-", "-"
-    values = [one["error"], one["tolerance"]]
-    if one["relative"] and one["reference"] > 0.0:
-        return tuple(f"{100.0 * value / one['reference']:.2g} %" for value in values)
-    return tuple(f"{value:.2g}" for value in values)
+        return "-", "-", "-"
+    is_share = one["relative"] and one["reference"] > 0.0
+    values = [one[name] / (one["reference"] if is_share else 1.0) for name in ("error", "tolerance")]
+    words = (f"{100.0 * value:.2g} %" if is_share else f"{value:.2g}" for value in values)
+    return *words, f"{one['reference']:.3g}"
 
 
 def _comparison(test: str, one: Mapping[str, Any]) -> list[str]:

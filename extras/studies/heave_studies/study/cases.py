@@ -15,7 +15,7 @@ from heave_bringup.scenarios import named_files
 from heave_node.numerics.arrays import Array
 from heave_node.parameters import ParameterError
 
-from heave_studies.batch.lifts import LiftBatch, NotCoveredError
+from heave_studies.batch.lifts import LiftBatch
 from heave_studies.study import sampling
 from heave_studies.study.case_file import ReadFile, read_files
 from heave_studies.study.cost import LIFTS, LOOP, START, Meter
@@ -151,30 +151,20 @@ def screen(tasks: Sequence[Task]) -> Plain:
     What each came to, or why it belongs into the full loop, is there by number.
     """
     meters = [Meter() for _ in tasks]
-    with meters[0].of(START):
-        batch = _batch_of(tasks[0])
-    lifts = {str(one.case.number): _screened(one, batch, meter) for one, meter in zip(tasks, meters, strict=True)}
-    return {LIFTS: lifts, SETTLED: sum(FAILURE in one for one in lifts.values())}
-
-
-def _batch_of(task: Task) -> LiftBatch | str:
     try:
-        return LiftBatch(task.scenario)
+        with meters[0].of(START):
+            batch = LiftBatch(tasks[0].scenario)
+        with meters[0].of(LOOP):
+            flown = batch.fly([task.scenario.run.seed for task in tasks])
     except Exception as error:  # what cannot be screened may run in full, and says there what is wrong
-        return in_a_line(error)
-
-
-def _screened(task: Task, batch: LiftBatch | str, meter: Meter) -> Plain:
-    if isinstance(batch, str):
-        return {FLAG: batch}
-    try:
-        with meter.of(LOOP):
-            flown = batch.fly(task.scenario.run.seed)
-    except NotCoveredError as error:
-        return {FLAG: str(error)}
-    if flown.flag:
-        return {FLAG: flown.flag}
-    return {**judge(task, flown.record, flown.strain, meter).to_plain(), "is_screened": True}
+        return {LIFTS: {str(task.case.number): {FLAG: in_a_line(error)} for task in tasks}, SETTLED: 0}
+    lifts = {
+        str(task.case.number): {FLAG: lift.flag}
+        if lift.flag
+        else {**judge(task, lift.record, lift.strain, meter).to_plain(), "is_screened": True}
+        for task, lift, meter in zip(tasks, flown, meters, strict=True)
+    }
+    return {LIFTS: lifts, SETTLED: sum(FAILURE in one for one in lifts.values())}
 
 
 def screened_results(results: Mapping[int, Plain]) -> dict[int, Plain]:

@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import math
+import re
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
+from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -48,6 +51,10 @@ class Minute(NamedTuple):
 NO_MINUTE = Minute(math.nan)
 
 
+SEED = re.compile(r"^    seed: \d+$", re.MULTILINE)
+"""The seed of a run in the text of its scenario, of which the run's own section is the first."""
+
+
 @dataclass(frozen=True)
 class Task:
     """A case that is ready to run, here or in another process."""
@@ -55,16 +62,21 @@ class Task:
     case: Case  # of the study
     scenario: Scenario  # checked
     has_adviser: bool = True  # the adviser takes part
+    alike: Task | None = field(default=None, repr=False, compare=False)  # one before it, which has another seed alone
 
-    @property
+    @cached_property
     def text(self) -> str:
         """All active values as a scenario file has them: what repeats the case."""
+        if self.alike is not None:  # to write them takes longer than a screened lift
+            return SEED.sub(f"    seed: {self.scenario.run.seed}", self.alike.text, count=1)
         return sections_text(stored_sections(self.scenario), title=stored_title(self.scenario))
 
     @property
     def values(self) -> str:
         """All active values, in a form that is quick to make: it distinguishes one case from another."""
         one = self.scenario
+        if self.alike is not None:
+            return repr((self.alike.case.number, one.run.seed))
         return repr((one.run, dict(one.parameters), one.wanted, dict(one.quality_of_service), one.changed))
 
 
@@ -106,17 +118,25 @@ def result_of(case: Case, plain: Mapping[str, Any]) -> CaseResult:
 
 def make_tasks(study: Study, cases: Sequence[Case]) -> list[Task]:
     """Return the `cases` of a `study` with their parameters; raise ParameterError for the first that is wrong."""
-    loaded: dict[str, Scenario] = {}
-    return [Task(case, _scenario(study, case, loaded), study.has_adviser) for case in cases]
+    firsts: dict[str, Task] = {}
+    return [_task(study, case, firsts) for case in cases]
 
 
-def _scenario(study: Study, case: Case, loaded: dict[str, Scenario]) -> Scenario:
-    """Return the scenario of a `case`; one that differs from a case before by its seed alone is among the `loaded`."""
+def _task(study: Study, case: Case, firsts: dict[str, Task]) -> Task:
+    """Return the task of a `case`; `firsts` are those before it that no other one before has but for the seed."""
     known = repr((case.is_nominal, case.settings))
-    if known in loaded:
-        return replace(loaded[known], run=replace(loaded[known].run, seed=case.seed))
+    if known not in firsts:
+        firsts[known] = Task(case, _scenario(study, case), study.has_adviser)
+        return firsts[known]
+    first = firsts[known]
+    scenario = replace(first.scenario, run=replace(first.scenario.run, seed=case.seed))
+    return Task(case, scenario, study.has_adviser, first)
+
+
+def _scenario(study: Study, case: Case) -> Scenario:
+    """Return the scenario of a `case`, checked."""
     settings = study.settings_of(case)
-    scenario = loaded[known] = load_scenario(study.scenario_of(case), settings=settings)
+    scenario = load_scenario(study.scenario_of(case), settings=settings)
     run = scenario.run
     if run.duration <= run.transient:
         source = next((setting.source for setting in settings if setting.name == "duration"), str(scenario.path))
@@ -159,9 +179,9 @@ def judge(task: Task, record: LoopRecord, strain: float, meter: Meter) -> CaseRe
         _add_bounds(signals, record, scenario)
         kpis = kpi_set.evaluate_run(signals, scenario.run.transient, scenario.run.duration)
         minute = silent_minute(record, signals, scenario.run.transient)
-    share = _compensating(record, scenario)
-    judged = tuple(Judged(criterion, kpis[criterion.kpi]) for criterion in scenario.wanted)
     modes = _time_in_modes(record, scenario)
+    share = sum(modes.get(mode, 0.0) for mode in COMPENSATES) if scenario.moves_winch else math.nan
+    judged = tuple(Judged(criterion, kpis[criterion.kpi]) for criterion in scenario.wanted)
     verdict = Verdict(judged, (), modes, share, strain=strain, loads=signals.load_checks())
     reason, (failures, breaches) = lost_because(record, scenario, kpis), (verdict.failures, verdict.breaches)
     return CaseResult(case, kpis, "", share, reason, tuple(failures), tuple(breaches), minute, meter.seconds)
@@ -190,22 +210,10 @@ def _add_bounds(signals: RunSignals, record: LoopRecord, scenario: Scenario) -> 
     signals.sensor_bound, signals.actuator_bound = bounds
 
 
-def _judged(record: LoopRecord, scenario: Scenario) -> list[str]:
-    """Return the modes in the time that is judged."""
-    after = record.column("time") >= scenario.run.transient
-    return [mode for mode, counts in zip(record.modes, after, strict=True) if counts]
-
-
-def _compensating(record: LoopRecord, scenario: Scenario) -> float:
-    if not scenario.moves_winch:
-        return math.nan
-    return float(np.mean([mode in COMPENSATES for mode in _judged(record, scenario)]))
-
-
 def _time_in_modes(record: LoopRecord, scenario: Scenario) -> dict[str, float]:
-    modes = _judged(record, scenario)
-    shares = {mode: modes.count(mode) / len(modes) for mode in dict.fromkeys(modes)}
-    return dict(sorted(shares.items(), key=lambda item: -item[1]))
+    """Return the share of the time that is judged by mode, the largest first [-]."""
+    modes = Counter(record.modes[np.searchsorted(record.column("time"), scenario.run.transient) :])
+    return {mode: count / modes.total() for mode, count in modes.most_common()}
 
 
 def lost_because(record: LoopRecord, scenario: Scenario, kpis: Mapping[str, float]) -> str:
