@@ -15,15 +15,13 @@ from heave_node.ros.transport.environment import open_to_network, prepare_enviro
 
 LARGEST_DOMAIN = 232
 """Of the ports of DDS (OMG RTPS 9.6.1.1)."""
-MIDDLEWARE = "share/ament_index/resource_index/rmw_typesupport"
-"""Where a prefix of ament lists the middlewares that are installed in it."""
 
 
 def set_up_transport(*, network: bool) -> None:
     """Set up the transport of this command and of the nodes it starts, open to other hosts for a `network`; say on the
     terminal where it is not loopback.
 
-    Raises ParameterError for a ROS domain that is none, and for a middleware that is not installed.
+    Raises ParameterError for a ROS domain that is none.
     """
     domain = os.environ.get("ROS_DOMAIN_ID", "")
     if domain and not (domain.isdecimal() and int(domain) <= LARGEST_DOMAIN):
@@ -31,9 +29,6 @@ def set_up_transport(*, network: bool) -> None:
     if network:
         open_to_network()
     notice = prepare_environment()
-    middleware, prefixes = os.environ.get("RMW_IMPLEMENTATION", ""), os.environ["AMENT_PREFIX_PATH"].split(os.pathsep)
-    if middleware and not any((Path(prefix) / MIDDLEWARE / middleware).exists() for prefix in prefixes):
-        raise ParameterError(f"RMW_IMPLEMENTATION={middleware}: not installed here; unset RMW_IMPLEMENTATION")
     if notice:
         sys.stderr.write(f"heave: {notice}\n")
 

@@ -20,13 +20,6 @@ def test_a_ros_domain_that_is_no_number_is_refused(monkeypatch, capsys, domain):
     assert f"ROS_DOMAIN_ID='{domain}': must be a whole number from 0 to 232" in capsys.readouterr().err
 
 
-def test_a_middleware_that_is_not_installed_is_refused(monkeypatch, capsys):
-    monkeypatch.setenv("RMW_IMPLEMENTATION", "rmw_nothing_cpp")
-    assert main(["run", "b2_calm_300"]) == REFUSED
-    says = "heave: RMW_IMPLEMENTATION=rmw_nothing_cpp: not installed here; unset RMW_IMPLEMENTATION\n"
-    assert capsys.readouterr().err.endswith(says)
-
-
 def test_a_folder_that_cannot_be_made_is_refused(tmp_path, capsys):
     (tmp_path / "file").write_text("")
     assert main(["run", "b2_calm_300", "--bag", str(tmp_path / "file" / "bag")]) == REFUSED

@@ -187,7 +187,7 @@ def _table(named: Iterable[tuple[str, Row]]) -> str:
     for name, row in named:
         info = row.info
         default = f"`{value_words(info, info.default)}` {info.unit}".rstrip()
-        texts = (f"`{name}`", default, range_words(info), row.meaning)
+        texts = (f"`{name}`", default, "" if info.type is bool else range_words(info), row.meaning)
         lines.append(tuple(text.replace("|", "\\|") for text in texts))
     return "\n".join(f"|{'|'.join(line)}|" for line in lines) + "\n"
 

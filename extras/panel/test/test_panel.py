@@ -161,7 +161,7 @@ def test_the_history_keeps_the_last_minute_and_begins_anew_with_a_run():
         controller = ControllerStatus(0.05 * tick, "compensating", boom_tip_heave=0.5, mean_payout=2.0)
         winch = WinchStatus(0.05 * tick, payout=2.4)
         history.note(Situation(RunStatus(1, time=0.05 * tick), controller, winch))
-    residual = next(number for number, line in enumerate(LINES) if line.name.startswith("residual"))
+    residual = next(number for number, line in enumerate(LINES) if line.name.startswith("rope"))
     points = history.series(residual)
     assert len(points) == LENGTH
     assert history.span == (points[0][0], points[-1][0]), "the axis of time is that of the data"

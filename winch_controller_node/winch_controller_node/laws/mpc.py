@@ -71,8 +71,8 @@ class MpcParameters:
         unit="m/s",
         minimum=1e-3,
         maximum=1e3,
-        description="Cost away from the winch limits: scale of the command; the acceleration term leaves it hardly "
-        "any effect.",
+        description="Cost away from the winch limits: scale of the command; it hardly matters beside the "
+        "acceleration term.",
     )
     release_time: float = parameter(60.0, "s", 0.0, 1e4,
         "Time constant with which the law returns to full effort after a limit shaped its plan.")  # fmt: skip
