@@ -15,11 +15,17 @@ from functools import lru_cache
 
 import numpy as np
 from heave_core import law, law_table, layout
+from heave_core.envelope_table import READINGS
+from heave_core.law import ACTING, SUPERVISING, Control
+from heave_core.law_table import GIVEN, Stage, Stop
 from heave_core.library import dtype_of, fill, library, new
 from heave_core.look_table import HANGING_CABLE, HANGING_UNIT, SIGMA
-from heave_core.watch_table import LANDING_SEEN
-from winch_controller_node.core.supervision import late_commands
-from winch_controller_node.core.supervision.watch import load_watch
+from heave_core.sense_table import DELIVERED
+from heave_core.watch_table import LANDING_SEEN, LANDING_STATE
+from winch_controller_node.core.estimation.core_tick import row_of
+from winch_controller_node.core.estimation.loop_estimation import LoopEstimation
+from winch_controller_node.core.supervision import late_commands, proofs
+from winch_controller_node.core.supervision.watch import load_watch, winch_watch
 from winch_controller_node.laws.parts.governor import GovernedCommand, drum_ahead, shaped_by
 from winch_controller_node.model.simulated_unit import hanging_cable
 
@@ -86,7 +92,7 @@ def _tables(given, kinds):
 
 
 def _address(array):
-    return array if isinstance(array, int) else array.ctypes.data
+    return array if isinstance(array, int) else 0 if array is None else array.ctypes.data
 
 
 def _given(one, kind):
@@ -236,6 +242,19 @@ class Place(law.Place):
         return part("place_at_end", result=NUMBER)(self.record, tick_period, rate, payout, is_braked)
 
 
+def change_order(controller, change):
+    """Let `change` do what it likes to the order of a controller, by the names of READINGS, before the envelope."""
+    begin, ordered = controller._begin, controller.envelope.records["readings"].view(dtype_of(READINGS))
+
+    def changed():
+        assert not part("answer", result=COUNT)(tuple(controller._control.records(ACTING).values()))
+        change(ordered)
+        return Stage.SEND
+
+    controller._begin = lambda tick, measurements: begin(tick, measurements, Stop.BEFORE_ANSWER)
+    controller._goes_on[Stage.ANSWER] = changed
+
+
 # constant tension
 
 
@@ -266,6 +285,11 @@ def observe_landing(landing, *seen):
     landing.seen = rows = np.zeros(len(LANDING_SEEN.rows))
     rows[: len(seen)] = seen
     part("observe_landing")(landing.design, landing.state, rows)
+
+
+def shows_hanging(landing):
+    """Tell whether what rides on the unit of a Landing says something of a hanging one."""
+    return part("shows_hanging", result=FLAG)(landing.core.state)
 
 
 def judge_landing(landing, *seen):
@@ -304,6 +328,79 @@ class LoadWatch(load_watch.LoadWatch):
         """Return what has just become wrong, with tensions [N]."""
         found = watch_load(self._core, tension, static_tension, is_at_limit=is_at_limit)
         return self.alarms(found, tension, static_tension)
+
+
+Driven = namedtuple("Driven", ("waits", "hangs", "taken_over", "latest", "has_mru"), defaults=("", math.inf, True))
+"""What the winch is used for in a tick."""
+
+Proven = namedtuple("Proven", ("gate", "alarms"))
+"""What follows from the proofs of a tick."""
+
+
+class Proofs(proofs.Proofs):
+    """The proofs, a tick at a time."""
+
+    brake = True
+
+    def note(self, sent):
+        """Note the order that was `sent` in this tick."""
+        self.brake = sent.brake
+
+    def step(self, raw, driven):
+        """Take in the `raw` readings of a tick, in which the winch is `driven` so."""
+        winch, rows = raw.winch, np.array(row_of(raw))
+        of_winch = (0.0,) * 4 if winch is None else (1.0, *winch[:3])
+        runs, has_swung = driven.taken_over == "DRUM_NOT_HELD: count", driven.taken_over == "LOAD_SWUNG_HIGHER"
+        seen = (driven.latest, *of_winch, self.brake, driven.waits, driven.hangs, driven.has_mru, runs, has_swung)
+        on = self.design, np.array(seen, float), rows, len(rows) // len(DELIVERED.rows), self.state
+        news = part("prove", "ProofDesign", COUNT)(*on, self.records["proof_work"])
+        found = self.alarms(news, winch) if news else ()
+        return Proven(self.gate, found)
+
+
+def watch_winch(record, *seen):
+    """Take a tick into a WinchRecord, by the rows of WINCH_SEEN."""
+    design, state, rows, work, minute = record.records.values()
+    part("watch_winch")(design, state, (rows, work), minute, np.array(seen, float))
+
+
+class WinchWatch(winch_watch.WinchWatch):
+    """The watch of a winch, a tick at a time."""
+
+    given = None
+
+    def give(self, order):
+        """Note the order of a tick."""
+        self.given, self.kept = order, 0
+
+    def watch(self, winch, payout, tension, parameters):
+        """Put the set-points of the last tick and what the encoder made of them on record; return late commands."""
+        order = (math.nan, 0.0, 0.0, False) if self.given is None else self.given[:4]
+        seen = winch is not None, *self.see(winch, parameters)[:3]
+        watch_winch(self._core, *seen, *order, math.nan if payout is None else payout, tension)
+        return self.transport()
+
+
+class Sensing(LoopEstimation):
+    """The estimation, by sensing halves of ticks."""
+
+    def __init__(self, design):
+        self.control, self._landing, self._command = Control(), new(LANDING_STATE), new(law_table.COMMAND)
+        super().__init__(design, self.control)
+        self.control.take(SUPERVISING, landing_state=self._landing)
+        self.control.take(ACTING, command=self._command, motion=self.motion.record)
+
+    def step(self, number, measurements, command, *, unit_stands):
+        """Sense a tick under a `command` of its two shares; return it."""
+        self._command["compensating"], self._command["mean"] = command
+        self._landing["unit_stands"] = unit_stands
+        given = {"number": number, "readings": self.deliver(number, measurements, command), "stops": Stop.AFTER_SENSE}
+        if (winch := measurements.winch) is not None:
+            given |= {"has_winch": True, "winch_time": winch.time, "encoder": winch.encoder_payout}
+            given |= {"brake": winch.brake, "fault": winch.fault, "has_begun": self.uses_count}
+        self.control.begin(*(given.get(row.name, 0.0) for row in GIVEN.rows))
+        self.note(len(self._core.observed), 0)
+        return self.tick
 
 
 def note_command(link, given, taken, modelled):

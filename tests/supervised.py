@@ -10,6 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 from heave_core import look
+from heave_core.law import SUPERVISING
 from heave_core.library import fill, library, new
 from heave_core.modes_table import ModeGuard
 from heave_core.sense_table import SENSE_DESIGN, SENSE_STATE, TICK, Reason
@@ -20,7 +21,7 @@ from winch_controller_node.core.estimation.sense_design import SENSOR
 from winch_controller_node.core.supervision import mode_machine
 from winch_controller_node.core.supervision.guard import HarmGuard
 from winch_controller_node.core.supervision.modes import MODES, Event, Mode, Situation, event_number
-from winch_controller_node.core.supervision.supervisor import Sensed, Supervisor, WinchSituation
+from winch_controller_node.core.supervision.supervisor import Supervisor, WinchSituation
 from winch_controller_node.design.design import design_controller
 from winch_controller_node.node_parameters import WinchControllerParameters
 
@@ -86,11 +87,15 @@ class Judge(HarmGuard):
 
     def __init__(self, parameters, loop, *, tick_period):
         super().__init__(parameters, loop, tick_period=tick_period)
-        self._period = tick_period
+        self._period, self._time = tick_period, 0.0
+
+    def allow_correction(self, belief):
+        """Do not hold against the loop what a wrong `belief` has done."""
+        super().allow_correction(belief, self._time)
 
     def update(self, seen, authority, target=1.0, *, fades=False, certain=None):
         """Take a tick in; `certain`: compensation must be off for this reason."""
-        self.begin_tick(self._time + self._period)
+        self._time += self._period
         begun = int(self.core.attempts["begun"][0])
         if certain is not None:
             self.note_certain(certain)
@@ -169,7 +174,8 @@ class Machine(mode_machine.ModeMachine):
         event = part("step_modes", result=COUNT)(*self._at[:3])
         before = int(self.state["before"][0])
         self.state["before"] = self.state["mode"]
-        output = self.follow(event, before, lambda: told.words)
+        self._look = lambda: told.words
+        output = self.follow(event, before)
         return output._replace(reason=self.reason)
 
 
@@ -195,9 +201,10 @@ class Supervised:
                 self._sense[name] = place
         self._sensed["excluded"], self._excluded = -1, {}
         self._depths = np.zeros((8, 2))
-        sense = self._sense.ctypes.data, self._sensed.ctypes.data
-        sensed = Sensed(sense, self._tick.ctypes.data, lambda: self._depths.ctypes.data)
-        self.supervisor = Supervisor(self.design, self.design.make_law(), sensed)
+        self.supervisor = Supervisor(self.design, self.design.make_law(), lambda: self._now)
+        records = {"sense": self._sense, "sense_state": self._sensed, "tick": self._tick, **self.supervisor.records}
+        self._on, self._seen = tuple(records[name] for name in SUPERVISING), records["seen"][0]
+        self._now = None
         self.number = 0
         self.enter(mode, wants=wants)
 
@@ -216,7 +223,7 @@ class Supervised:
         ----------
         lost : sensors, with the reason by name
         depths : (stamp, depth) that have been read
-        winch : fields of WinchSituation
+        winch : fields of WinchSituation, and of the core's SupervisionSeen
         tick : fields of the core's Tick and Motions
         """
         self.number += 1
@@ -243,8 +250,14 @@ class Supervised:
             filtered_tension=float(row["filtered_tension"]),
             mean_tension=mean,
         )
-        values = {"fault": 0, "speed": 0.0, "mean_payout": 0.0, "settled_swing": math.inf, **(winch or {})}
-        return self.supervisor.decide(words, WinchSituation(**values))
+        values = {"fault": 0, "mean_payout": 0.0, "settled_swing": math.inf, "share": 1.0, **(winch or {})}
+        situation = WinchSituation(**{name: one for name, one in values.items() if name in WinchSituation._fields})
+        of_words = {"is_certain": situation.inhibition is not None, "envelope": bool(situation.envelope)}
+        for name in self._seen.dtype.names:
+            self._seen[name] = {**values, **of_words, "is_proved": not situation.proof_gate}.get(name, 0.0)
+        part("supervise")(self._on, self._depths)
+        self._now = words, situation
+        return self.supervisor.decided()
 
     def exclude(self, sensor):
         """Exclude a `sensor`."""

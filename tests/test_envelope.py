@@ -11,10 +11,10 @@ import numpy as np
 import pytest
 from heave_bringup.closed_loop import COLUMNS, ClosedLoop
 from heave_core.envelope_table import Phase
-from heave_core.library import READING_NAMES
 
 from tests.campaigns.fault_matrix.faults import Fault
 from tests.campaigns.fault_matrix.wires import Wires
+from tests.core_parts import change_order
 from tests.loops import fault, loop_of
 
 TICK, AFTER = 0.05, 60.0
@@ -23,13 +23,11 @@ TICK, AFTER = 0.05, 60.0
 
 def order_times(factor: float, loop: ClosedLoop) -> None:
     """Let the controller's order, before the envelope, be `factor` times what it means."""
-    leave, ordered = loop.controller._command.leave, loop.controller.envelope.records["readings"]
 
-    def leave_times():
-        ordered[READING_NAMES.index("rate")] *= factor
-        return leave()
+    def times(ordered):
+        ordered["rate"] *= factor
 
-    loop.controller._command.leave = leave_times
+    change_order(loop.controller, times)
 
 
 def on_the_wire(name: str, size: float, loop: ClosedLoop) -> None:

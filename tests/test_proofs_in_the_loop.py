@@ -6,9 +6,10 @@ import pytest
 from heave_bringup.closed_loop import COLUMNS, ClosedLoop, loop_parameters
 from heave_bringup.scenarios import load_scenario
 from heave_node.interface.alarm import Severity
-from winch_controller_node.core.supervision.proofs import Driven, Proofs, Standing
+from winch_controller_node.core.supervision.proofs import Standing
 from winch_controller_node.interface.readings import Measurements
 
+from tests.core_parts import Driven, Proofs
 from tests.loops import TICK, Stepped, fault, settings_text
 
 REVERSED = tuple(settings_text(fault("mru", "scale", 0.0, size=-1.0)))

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import math
+import struct
 from collections.abc import Mapping, Sequence
 from functools import partial
+from itertools import accumulate
 from typing import Any
 
 import numpy as np
@@ -12,10 +14,6 @@ import numpy as np
 from heave_core import law_table as table
 from heave_core.filter import check_states
 from heave_core.library import library, named, new
-from heave_core.look_table import MOTIONS
-
-LOOP_NUMBERS = len(table.LOOP.rows) - 2
-"""Numbers in front of the states, of which it consists."""
 
 PROBLEM_NUMBERS = len(table.PROBLEM.rows) - 1
 """The same of a problem."""
@@ -92,8 +90,8 @@ class Commander:
     Attributes
     ----------
     design, state : arrays of one structure; the `state` outlives a design
-    estimate, mean_state : of the loop, shape (states,); to be set before each step
-    records : arrays of one structure each, by the names of `Acting` in act.h
+    estimate : of the loop, shape (states,)
+    records : arrays of one structure each, by the names of ACTING
 
     Raises ValueError where the states do not fit.
     """
@@ -104,7 +102,7 @@ class Commander:
         self._command = new(table.COMMAND) if command is None else command
         loop = new(table.LOOP)
         self._law = Law(winch, states) if law is None else law
-        self.estimate, self.mean_state = loop["estimate"][0, :states], loop["mean_state"][0, :states]
+        self.estimate = loop["estimate"][0, :states]
         self._numbers = self._command.view("f8")
         self.records = {"winch": winch, "design": self.design, "loop": loop, "law": self._law.law}
         self.records |= {"problem": self._law.problem, "law_state": self._law.state}
@@ -127,45 +125,6 @@ class Commander:
         return MadeCommand._make(self._numbers.tolist())
 
 
-class Acting:
-    """The acting half of a tick: addresses of all that it works on.
-
-    Attributes
-    ----------
-    seen, motions, done : numbers of `ActSeen`, `Motions` and `ActDone`, on the memory that C++ reads and writes
-    """
-
-    NAMES = (
-        *("seen", "motions", "winch", "design", "loop", "law", "problem", "law_state", "state", "command", "A", "B"),
-        *("motion", "envelope", "envelope_state", "readings", "order", "place"),
-        *("load", "load_state", "kpi", "kpi_state", "kpi_rows", "done"),
-    )
-    """Rows of `Acting` in act.h, in their order."""
-
-    def __init__(self) -> None:
-        self.seen, self.done = np.zeros(len(table.ACT_SEEN.rows)), np.zeros(len(table.ACT_DONE.rows))
-        self.motions = np.zeros(len(MOTIONS.rows))
-        self._at, self._kept = np.zeros(len(self.NAMES), np.uintp), dict[str, Any]()
-        self.take(seen=self.seen, motions=self.motions, done=self.done)
-        core, at = library(), self._at.ctypes.data
-        self.act, self.pose, self.answer, self.make, self.leave = (
-            partial(one, at)
-            for one in (
-                core.heave_core_act_tick,
-                core.heave_core_act_pose,
-                core.heave_core_act_answer,
-                core.heave_core_act_make,
-                core.heave_core_act_leave,
-            )
-        )
-
-    def take(self, **records: Any) -> None:
-        """Work on these arrays from now on, by name; None: there is none."""
-        self._kept |= records
-        for name, record in records.items():
-            self._at[self.NAMES.index(name)] = 0 if record is None else record.ctypes.data
-
-
 class Place:
     """The place that belongs to a commanded speed, see act.cpp.
 
@@ -178,3 +137,71 @@ class Place:
     def __init__(self, leak: float, reach: float) -> None:
         self.record = new(table.PLACE)
         put(self.record, {"leak": leak, "reach": reach, "payout": math.nan})
+
+
+SENSING = (
+    *("delivered", "sense", "filter", "look", "sense_state", "filter_state", "look_state"),
+    *("found", "observed", "taken", "said", "by_measurement", "depths", "tick"),
+)
+PROVING = ("proofs", "proof_state", "proof_work")
+WATCHING = ("winch_watch", "winch_state", "drum_rows", "drum_work", "minute")
+SUPERVISING = (
+    *("sense", "sense_state", "tick", "design", "state", "seen", "done", "landing", "landing_state"),
+    *("guard", "guard_state", "verdict", "attempt_design", "attempts", "modes", "mode", "situation"),
+)
+ACTING = (
+    *("seen", "motions", "winch", "design", "loop", "law", "problem", "law_state", "state", "command", "A", "B"),
+    *("motion", "envelope", "envelope_state", "readings", "order", "place"),
+    *("load", "load_state", "kpi", "kpi_state", "kpi_rows", "done"),
+)
+"""What each part of a tick works on, in the order of `Control` in tick.h and of the structures in it."""
+
+GIVING, GIVES = ("given",), ("controlled",)
+
+GROUPS = (GIVING, SENSING, PROVING, WATCHING, GIVES, SUPERVISING, ACTING)
+"""All of `Control`."""
+
+
+class Control:
+    """What a tick works on, and its call.
+
+    Attributes
+    ----------
+    given, done : numbers of GIVEN and CONTROLLED, on the memory that C++ reads and writes
+    go_on : goes on with the tick from a Stage; returns the one at which it waits, DONE where the order has left
+    """
+
+    def __init__(self) -> None:
+        starts = accumulate(map(len, GROUPS), initial=0)
+        self._places = {
+            group: {name: start + place for place, name in enumerate(group)}
+            for group, start in zip(GROUPS, starts, strict=False)
+        }
+        self._at, self._kept = np.zeros(sum(map(len, GROUPS)), np.uintp), dict[int, Any]()
+        self.given, controlled = np.zeros(len(table.GIVEN.rows)), new(table.CONTROLLED)
+        self.done = controlled.view("f8")
+        self.take(GIVING, given=self.given)
+        self.take(GIVES, controlled=controlled)
+        self.take(ACTING, done=controlled["acted"])
+        self._pack = partial(struct.Struct(f"{len(table.GIVEN.rows)}d").pack_into, self.given.data, 0)
+        self.go_on = partial(library().heave_core_tick, self._at.ctypes.data)
+
+    def take(self, group: tuple[str, ...], **records: Any) -> None:
+        """Work on these arrays of a `group` from now on, by name; None: there is none."""
+        for name, record in records.items():
+            place = self._places[group][name]
+            self._kept[place], self._at[place] = record, 0 if record is None else record.ctypes.data
+
+    def records(self, group: tuple[str, ...]) -> dict[str, Any]:
+        """Return the arrays of a `group`, by name."""
+        return {name: self._kept[place] for name, place in self._places[group].items()}
+
+    def address(self, group: tuple[str, ...], name: str) -> int:
+        """Return the address of an array of a `group`, by `name`."""
+        return int(self._at[self._places[group][name]])
+
+    def begin(self, *given: float) -> int:
+        """Begin a tick with the numbers of GIVEN; returns as `go_on` does."""
+        self._pack(*given)
+        stage: int = self.go_on(table.Stage.SENSE)
+        return stage

@@ -424,3 +424,70 @@ ACT_DONE = structure(
     Row("load_news", "", "LoadNews: what has just begun"),
     Row("is_replaced", "", "1: the envelope has sent another order"),
 )
+
+
+class Stage(IntEnum):
+    """Where a tick goes on; one that comes back before its end waits for Python there."""
+
+    DONE = 0
+    SENSE = 1
+    DECIDE = 2
+    POSE = 3
+    ANSWER = 4
+    MAKE = 5
+    SEND = 6
+
+
+class Stop(IntFlag):
+    """Where a tick is to wait in any case."""
+
+    AFTER_SENSE = 1
+    BEFORE_ACT = 2
+    BEFORE_ANSWER = 4
+
+
+GIVEN = structure(
+    "Given",
+    "Inputs of a tick, beside its readings: the winch's report, and what the parts in Python say.",
+    Row("number", "", "of the tick"),
+    Row("readings", "", "number of those delivered"),
+    Row("has_winch", "", "1: the winch has reported"),
+    Row("winch_time", "s", "of its report, by its clock"),
+    Row("encoder", "m", "its count"),
+    Row("encoder_rate", "m/s", "speed that it states with it"),
+    Row("brake", "", "1: it has the brake on"),
+    Row("fault", "", "its last one, 0: none"),
+    Row("command", "", "number of the newest command that it has taken"),
+    Row("at_end", "", "1: it is at the end of its payout, where no model of it holds"),
+    Row("is_limited", "", "1: a limit acts"),
+    Row("at_limit", "", "1: a limit that a sea takes it to acts"),
+    Row("has_begun", "", "1: the count may be used: it is known which payout is the mean one"),
+    Row("stated_payout", "m", "payout that was read before that is known; NaN: it is known"),
+    Row("static_tension", "N", "under the hanging unit at rest"),
+    Row("settled_swing", "m", "of the unit at which a fade-out may end; infinite: it is not asked for"),
+    Row("share", "", "authority that is best with the winch as it is known, above 0"),
+    Row("tolerated_delay", "s", "of commands beyond the modelled one, with which compensation is tried"),
+    Row("identifies_winch", "", "1: what the drum is off counts"),
+    Row("is_reversed", "", "1: drum or encoder are reversed: the winch is brought to rest"),
+    Row("cause", "", "Cause for which the envelope has taken over; 0: it has not"),
+    Row("stops", "", "bits of Stop"),
+)
+
+CONTROLLED = structure(
+    "Controlled",
+    "Results of a tick, and the order of it that the next one goes by.",
+    Row("sequence", "", "number of the order; 0: none has been given"),
+    Row("authority", "", "of compensation, 0 to 1"),
+    Row("news", "", "News of the sensors"),
+    Row("observed", "", "readings observed"),
+    Row("proof_news", "", "ProofNews"),
+    Row("asks", "", "Asks: what the law needs first"),
+    Row("compensating", "", "share of the last command that compensates, in the terms of the model"),
+    Row("as_read", "m", "payout as the encoder reads it, jumps taken off; NaN: none came"),
+    Row("tension", "N", "newest at the top; NaN: none yet"),
+    Row("tip", "m", "estimated heave of the boom tip"),
+    Row("tip_rate", "m/s", "its rate"),
+    Row("unit_rate", "m/s", "rate of the unit, without the mean payout's share"),
+    Row("missing_push", "m", "by how much more the linear model would push the unit down than a slack cable does"),
+    Row("acted", "", "what the acting half has made", ACT_DONE),
+)

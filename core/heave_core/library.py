@@ -130,7 +130,7 @@ class Envelope:
     ----------
     design, state : structured arrays of one element, on the memory that C++ reads and writes
     readings, order : what comes in and what leaves, in the order of READINGS and ORDER, on that memory too
-    records : the arrays by the names of `Acting` in act.h
+    records : the arrays by the names of ACTING in `heave_core.law`
 
     Raises LibraryError, and ValueError for a delay of the winch that is longer than what is kept.
     """

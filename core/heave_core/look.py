@@ -53,7 +53,6 @@ class Look:
     ----------
     design, state, inputs : structured arrays of one element
     motions : that were found last
-    addresses : of design and state
     """
 
     def __init__(self, design: Mapping[str, Any]) -> None:
@@ -61,7 +60,6 @@ class Look:
         self.design, self.state = new(LOOK_DESIGN), new(LOOK_STATE)
         self.inputs, self.motions = new(LOOK_INPUTS), np.zeros(len(MOTIONS.rows))
         self._at = self.design.ctypes.data, self.state.ctypes.data
-        self.addresses: tuple[int, int] = self._at
         self._again = core.heave_core_look_again
         self._begin_share, self._take_unit = core.heave_core_look_begin_share, core.heave_core_look_take_unit
         self._shadow, self._hanging = core.heave_core_look_continue_shadow, core.heave_core_look_continue_hanging

@@ -130,6 +130,7 @@ class Happened(IntFlag):
     AUTHORITY_FREE = 128
     LOWERS_BLIND = 256
     UNIT_EVENT = 512
+    SEA_ABOVE_WINCH = 1024
 
 
 EPISODES = Size("EPISODES", 3)
@@ -288,6 +289,8 @@ SUPERVISION_DESIGN = structure(
     Row("blind_limit", "s", "longest time for which the unit is damped by the depth sensor alone"),
     Row("held_time", "s", "after which limited authority is reported, and its end"),
     Row("reported_again", "s", "after which it is reported again"),
+    Row("grown", "", "factor by which peaks that were reported grow before they are again"),
+    Row("duties", "", "Duty of each mode", shape=(MODES,)),
     Row("link_wait", "s", "for which winch, link and sensors are well before compensation is tried again"),
 )
 
@@ -320,6 +323,7 @@ SUPERVISION_STATE = structure(
     Row("stretch", "m", "of the cable under a locked winch", SIGMA),
     Row("least_ratio", "", "least highest tension over the static one"),
     Row("enough", "s", "time for which the highest tension has been enough"),
+    Row("peak_reported", "", "peaks over the winch's limits that were reported last; 0: none"),
     Row(
         "quiet",
         "s",

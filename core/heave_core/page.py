@@ -22,8 +22,9 @@ unit and meaning of every field.
 | `servo.cpp` | simulates a drum driven by the set-points sent, to predict its encoder |
 | `drum_watch.cpp` | compares commands and encoder over the last seconds to find a faulty drum or encoder |
 | `winch_watch.cpp` | late commands, silent winch, reduced gain while the drum is off its prediction |
+| `tick.cpp` | a tick as a whole, in one call: the order of its parts, and where it waits for Python |
 | `look.cpp` | motions of boom tip and drum, and of loads simulated with the winch locked and turning |
-| `sense.cpp` | first half of a tick, in one call: readings, gates, filter, motions |
+| `sense.cpp` | first half of a tick: readings, gates, filter, motions |
 | `sensor_gate.cpp` | checks each sensor: not a number, bad time stamp, frozen value |
 | `noise.cpp` | estimates noise and rate of a sensor from its readings |
 | `steps.cpp`, `encoder.cpp` | detect jumps of MRU and depth sensor; compare drum count and commanded travel |
@@ -53,9 +54,10 @@ unit and meaning of every field.
 | `../plc/controller.cpp` | the whole controller in its own memory, for a [PLC](guide/howto/plc.md) and the FMU |
 
 The C interface is `interface.cpp`. `heave_core_layout` and `heave_core_size` let Python refuse a library with another
-layout. Each part of a tick has a function (`heave_core_sense`, `heave_core_supervise`, `heave_core_act_tick`), and so
-has each sudden change of its state (`..._begin`, `..._continue_...`, `..._allow_...`). Python calls them through
-ctypes and releases the interpreter lock. To save a part at a tick, copy its state.
+layout. A tick is one function, `heave_core_tick`. It returns early where something has happened (`Stage`): a sensor has
+failed, the mode has changed, the law needs a plan. Python does its part and calls again. Each sudden change of the
+state has a function too (`..._begin`, `..._continue_...`, `..._allow_...`). Python calls them through ctypes and
+releases the interpreter lock. To save a part at a tick, copy its state.
 """
 
 

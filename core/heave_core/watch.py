@@ -64,7 +64,7 @@ class KpiRing:
 
     Attributes
     ----------
-    records : its arrays by the names of `Acting` in act.h
+    records : its arrays by the names of ACTING in `heave_core.law`
     """
 
     def __init__(self, design: Mapping[str, Any]) -> None:
@@ -101,7 +101,8 @@ class DrumOrders:
     Attributes
     ----------
     design, state : structured arrays of one element
-    at : addresses of both, of the rows, and of what they are worked on with
+    room : rows that are kept, and what they are worked on with
+    at : addresses of all four
     """
 
     def __init__(self, values: Mapping[str, Any], design: Any = None, state: Any = None) -> None:
@@ -109,9 +110,9 @@ class DrumOrders:
         self.design = new(table.DRUM_WATCH_DESIGN) if design is None else design
         self.state = new(table.DRUM_WATCH_STATE) if state is None else state
         fill(self.design[0], values)
-        self._rows, self._work = np.zeros(kept, dtype_of(table.DRUM_ROW)), np.zeros(WORK * kept)
+        self.room = {"drum_rows": np.zeros(kept, dtype_of(table.DRUM_ROW)), "drum_work": np.zeros(WORK * kept)}
         self._row, self._found = np.zeros(len(table.DRUM_ROW.rows)), np.zeros(len(table.ORDERED.rows))
-        self.at = [one.ctypes.data for one in (self.design, self.state, self._rows, self._work)]
+        self.at = [one.ctypes.data for one in (self.design, self.state, *self.room.values())]
         self._row_at, self._found_at = self._row.ctypes.data, self._found.ctypes.data
         self._add, self._reset = core.heave_core_drum_add, core.heave_core_drum_reset
         self._error, self._ordered = core.heave_core_drum_error, core.heave_core_drum_ordered
@@ -153,6 +154,7 @@ class Link:
     ----------
     state : structured array of one element
     minute : by how much the commands of the last minute were late, in a ring [s]
+    kept : that and the window after it
     """
 
     def __init__(self, values: Mapping[str, Any], design: Any = None, state: Any = None) -> None:
@@ -160,9 +162,9 @@ class Link:
         self._design = new(table.LINK_DESIGN) if design is None else design
         self.state = new(table.LINK_STATE) if state is None else state
         fill(self._design[0], values)
-        self._kept = np.zeros(count + int(values["window"]))
-        self.minute = self._kept[:count]
-        self.at = [one.ctypes.data for one in (self._design, self.state, self._kept)]
+        self.kept = np.zeros(count + int(values["window"]))
+        self.minute = self.kept[:count]
+        self.at = [one.ctypes.data for one in (self._design, self.state, self.kept)]
         self._silence = library().heave_core_link_silence
 
     def silence(self, untaken: float, *, has_state: bool) -> None:
@@ -181,6 +183,7 @@ class WinchRecord:
     ----------
     design, state : structured arrays of one element
     drum, link : on their memory
+    records : its arrays by the names of WATCHING in `heave_core.law`
     """
 
     def __init__(self, values: Mapping[str, Any]) -> None:
@@ -188,14 +191,12 @@ class WinchRecord:
         fill(self.design[0], values)
         self.drum = DrumOrders(values["drum"], self.design["drum"], self.state["drum"])
         self.link = Link(values["link"], self.design["link"], self.state["link"])
-        self._seen, self._watch = np.zeros(len(table.WINCH_SEEN.rows)), library().heave_core_watch_winch
-        records = self.design.ctypes.data, self.state.ctypes.data
-        self._at = [*records, *self.drum.at[2:], self.link.at[2], self._seen.ctypes.data]
-
-    def watch(self, *seen: float) -> None:
-        """Take a tick in, by the rows of WINCH_SEEN."""
-        self._seen[:] = seen
-        self._watch(*self._at)
+        self.records = {
+            "winch_watch": self.design,
+            "winch_state": self.state,
+            **self.drum.room,
+            "minute": self.link.kept,
+        }
 
 
 class LoadRecord:
@@ -207,7 +208,7 @@ class LoadRecord:
 
     Attributes
     ----------
-    records : its arrays by the names of `Acting` in act.h
+    records : its arrays by the names of ACTING in `heave_core.law`
     state : structured array of one element
     """
 

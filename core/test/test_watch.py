@@ -22,6 +22,7 @@ from tests.core_parts import (
     part,
     trend_of,
     watch_load,
+    watch_winch,
 )
 
 DT = 0.05
@@ -224,9 +225,11 @@ def test_the_watches_of_a_tick_allocate_nothing():
     others = {"delay": 0.2, "modelled": 0.2}
     winch = WinchRecord({"drum": drum, "link": LINK, **others})
     for tick in range(100):
-        winch.watch(True, tick, False, False, tick + 6, 0.0, 0.3, False, 0.3 * DT * tick, math.nan)
+        watch_winch(winch, True, tick, False, False, tick + 6, 0.0, 0.3, False, 0.3 * DT * tick, math.nan)
     watch, load = part("watch_load", result=COUNT), LoadRecord(LOADED)
     at = load.records["load"].ctypes.data, load.state.ctypes.data
-    steps = [(winch._watch, winch._at), (watch, (*at, 1e5, 1e5, False))]
+    rows = winch.records["drum_rows"], winch.records["drum_work"]
+    on = winch.design, winch.state, rows, winch.link.kept, np.array([1.0, 1e2, 0.0, 0.0, 1e2, 0.0, 0.3, 0.0, 0.0, 0.0])
+    steps = [(part("watch_winch"), on), (watch, (*at, 1e5, 1e5, False))]
     assert winch.link.state["overdue"][0] > 0.0
     assert not allocates(lambda: [step(*at) for step, at in steps] and None)

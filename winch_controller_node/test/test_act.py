@@ -3,11 +3,11 @@
 import pytest
 from heave_bringup.closed_loop import ClosedLoop, loop_parameters
 from heave_bringup.scenarios import load_scenario
-from heave_core.law_table import ACT_DONE, COMMAND
+from heave_core.law_table import ACT_DONE, COMMAND, CONTROLLED, GIVEN, Stage
 
 from tests.allocation import allocates
 
-TICK = 0.05
+TICK, ACTED = 0.05, [row.name for row in CONTROLLED.rows].index("acted")
 
 
 def settled(*changes):
@@ -27,10 +27,10 @@ def numbers_of(structure, array):
 def test_a_drive_makes_the_commanded_speed_of_the_order_wherever_its_payout_is(gain):
     """v = rate + k (payout - u) with u as it is predicted: by both set-points of the tick, and by the mean payout's."""
     loop = settled(f"system.winch.position_gain={gain}")
-    acting, command = loop.controller._command._acting, loop.controller._command
+    command = loop.controller._command
     for _ in range(40):
         outputs, _ = loop.step()
-        done, made = numbers_of(ACT_DONE, acting.done), numbers_of(COMMAND, command._numbers)
+        done, made = numbers_of(ACT_DONE, loop.controller._control.done[ACTED:]), numbers_of(COMMAND, command._numbers)
         order, encoder = outputs.order, loop.controller.observer.encoder
         ahead = encoder.scale * (made["payout"] + encoder.offset)
         assert not done["is_replaced"]
@@ -40,12 +40,15 @@ def test_a_drive_makes_the_commanded_speed_of_the_order_wherever_its_payout_is(g
         assert made["value"] == made["compensating"] + made["mean"]
 
 
-def test_nothing_is_allocated_from_the_command_to_the_order_that_leaves():
-    acting = settled().controller._command._acting
+def test_nothing_is_allocated_from_the_readings_to_the_order_that_leaves():
+    control = settled().controller._control
+    number = [row.name for row in GIVEN.rows].index("number")
 
     def go():
-        acting.act()
-        acting.leave()
+        control.given[number] += 1.0
+        stage = control.go_on(Stage.SENSE)
+        while stage:
+            stage = control.go_on(stage)
 
     go()
     assert not allocates(go)

@@ -149,7 +149,7 @@ def spied(controller):
     spy(estimation, "_restart_consistency", "consistency")
     spy(winch.drum, "take", "drum")
     spy(controller._encoder, "restart", "reflex")
-    spy(controller._supervisor.guard, "allow_correction", lambda owner: f"guard {owner}")
+    spy(controller._supervisor.guard, "allow_correction", lambda owner, _: f"guard {owner}")
     return noted
 
 

@@ -10,11 +10,12 @@ from heave_node.interface.sensors import MruReading
 from winch_controller_node.core.envelope import Asked, OrderEnvelope
 from winch_controller_node.core.supervision.modes import Mode
 from winch_controller_node.core.supervision.proof_design import FALL_WINDOW
-from winch_controller_node.core.supervision.proofs import Driven, Proofs
 from winch_controller_node.interface.readings import Measurements, ScalarReading, WinchOrder, WinchReading
 from winch_controller_node.model.blocks import CableModel
 from winch_controller_node.motion.trajectory import MeanPayout
 from winch_controller_node.node_parameters import WinchControllerParameters
+
+from tests.core_parts import Driven, Proofs
 
 TICK = 0.05
 RESOLUTION = 0.001

@@ -16,7 +16,7 @@ from winch_controller_node.core.supervision.landing import EVENTS, HangingLoad, 
 from winch_controller_node.core.supervision.modes import Mode, ModeOutput
 from winch_controller_node.parameters.laws import TensionLawParameters
 
-from tests.core_parts import add_depth, judge_landing, observe_landing
+from tests.core_parts import add_depth, judge_landing, observe_landing, shows_hanging
 from tests.gates import MeanTension
 from tests.supervised import Supervised
 
@@ -170,9 +170,9 @@ def test_without_the_load_cell_the_depth_sensor_alone_tells_and_its_readings_cou
     """The mean of the unit's speed over 10 s is 0.4 of the winch's 6 s after contact: it is a line through a corner."""
     lowering = Lowering(stiffness=100e3, speed=0.2, contact=20.0)
     assert lowering.run(20.0, innovation=0.0, lost=("load_cell",)) is None
-    assert lowering.landing.shows_hanging
+    assert shows_hanging(lowering.landing)
     assert lowering.run(23.0, lost=("load_cell",)) is None
-    assert not lowering.landing.shows_hanging
+    assert not shows_hanging(lowering.landing)
     assert lowering.run(40.0, lost=("load_cell",)) == pytest.approx(26.0, abs=1.0)
 
 

@@ -10,13 +10,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy import signal, stats
 from winch_controller_node.core.supervision.proof_design import CERTAIN, SHORTEST, WINDOW
-from winch_controller_node.core.supervision.proofs import Driven, Proofs, Standing
+from winch_controller_node.core.supervision.proofs import Standing
 from winch_controller_node.interface.readings import Measurements, ScalarReading, WinchOrder, WinchReading
 from winch_controller_node.model.blocks import CableModel
 from winch_controller_node.node_parameters import WinchControllerParameters
 from winch_controller_node.parameters.laws import EntryParameters
 
-from tests.core_parts import SimulatedUnit
+from tests.core_parts import Driven, Proofs, SimulatedUnit
 
 TICK = 0.05
 CABLE = CableModel(a=7.2, b=0.05, stiffness=17.5e3, static_tension=98.6e3, unit_weight=70e3)

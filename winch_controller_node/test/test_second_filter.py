@@ -2,12 +2,13 @@
 
 import numpy as np
 import pytest
-from winch_controller_node.core.estimation.loop_estimation import LoopEstimation
 from winch_controller_node.core.estimation.second_filter import RowEvidence
 from winch_controller_node.core.estimation.sense_design import ROWS, second_design
 from winch_controller_node.design.design import carry_by_name, design_controller
 from winch_controller_node.node_parameters import WinchControllerParameters
 from winch_controller_node.parameters.model import SeaModelParameters
+
+from tests.core_parts import Sensing
 
 DT = 0.05
 
@@ -64,7 +65,7 @@ def test_another_sea_is_that_of_both_filters():
         )
         for height in (1.0, 3.0)
     )
-    estimation = LoopEstimation(calm)
+    estimation = Sensing(calm)
     estimation.estimator.step(0, 0.0, [])
     estimation.compare_count(0)
     noise = 2.0 * calm.make_estimator().process_noise

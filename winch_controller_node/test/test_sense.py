@@ -5,12 +5,12 @@ import math
 
 import numpy as np
 import pytest
+from heave_core.law_table import Stage
 from heave_core.sense_table import NOISE_READINGS
 from heave_node.interface.sensors import MruReading
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.signal import lfilter
-from winch_controller_node.core.estimation.loop_estimation import LoopEstimation
 from winch_controller_node.core.estimation.loop_tick import TENSION_MEMORY, CommandShares
 from winch_controller_node.core.estimation.sense_design import GATES, STEPS
 from winch_controller_node.design.design import design_controller
@@ -18,6 +18,7 @@ from winch_controller_node.interface.readings import Measurements, ScalarReading
 from winch_controller_node.node_parameters import WinchControllerParameters
 from winch_controller_node.parameters.laws import HealthParameters
 
+from tests.core_parts import Sensing
 from tests.gates import EncoderGate, MeanTension, SensorNoise, SensorTiming
 
 DT = 0.05
@@ -59,7 +60,7 @@ TICKS = st.lists(
 @settings(max_examples=60, deadline=None)
 @given(ticks=TICKS, stands=st.booleans())
 def test_whatever_is_read_the_estimate_is_a_number_and_every_reading_is_counted(design, ticks, stands):
-    estimation = LoopEstimation(design)
+    estimation = Sensing(design)
     came = dict.fromkeys(("mru", "depth", "load_cell", "encoder"), 0)
     for number, (mru, depths, tension, winch) in enumerate(ticks, start=1):
         given_ = delivered(number, mru, depths, tension, winch)
@@ -132,22 +133,19 @@ def allocated():
 
 def test_no_tick_allocates(design):
     """The core's call alone, with a reading of each sensor."""
-    estimation = LoopEstimation(design)
+    estimation = Sensing(design)
     for number in range(1, 40):
         mru, depths = [(0.0, 0.3 * math.sin(0.1 * number), 0.01 * number, 0)], [(0.1, 0.01 * number)]
         given_ = delivered(number, mru, depths, [0.1], (0.0, 0.0, False))
         estimation.step(number, given_, CommandShares(), unit_stands=False)
-    core = estimation._core
-    filtered, sense = estimation.estimator.addresses, estimation.observer.addresses
-    look, motion = estimation._look.addresses, estimation.motion.address
-    at = (sense[0], filtered[0], look[0], motion, sense[1], filtered[1], look[1], *core._in, *core._room)
+    core, control = estimation._core, estimation.control
 
     def grown(count):
         before = allocated()
         for _ in range(count):
-            core._given_row[0] += 1.0
+            control.given[0] += 1.0
             core._delivered[:, 1] += DT
-            core._call(*at)
+            control.go_on(Stage.SENSE)
         return allocated() - before
 
     grown(100)

@@ -3,11 +3,13 @@
 import math
 
 import pytest
+from heave_core.modes_table import SUPERVISED
 from heave_node.interface.codes import WinchFault
 from winch_controller_node.core.supervision.modes import Mode
 from winch_controller_node.core.supervision.supervision_design import BLIND_LIMIT, LONGEST_AGE
 
 from tests.allocation import allocates
+from tests.core_parts import part
 from tests.supervised import DT, Supervised
 
 
@@ -88,7 +90,8 @@ def test_a_reversed_drum_is_brought_to_rest_undamped_until_an_operator_asks():
     loop = Supervised()
     decision = loop.step(winch={"is_reversed": True, "settled_swing": 0.1})
     assert decision.mode.mode is Mode.FADE_OUT
-    assert not (decision.trusts_estimate or decision.is_damped)
+    trusts = loop.supervisor.done[[row.name for row in SUPERVISED.rows].index("trusts_estimate")]
+    assert not (trusts or decision.is_damped)
     assert decision.mode.reason.endswith("check the cause, then request compensation")
 
 
@@ -125,6 +128,4 @@ def test_no_tick_of_it_allocates():
     for mode in (Mode.COMPENSATING, Mode.STANDBY):
         loop = Supervised(mode=mode)
         loop.step(depths=((0.0, 300.0),), depth_heave=0.0)
-        supervisor = loop.supervisor
-        supervise, at, depths = supervisor._supervise, supervisor._at, supervisor._depths()
-        assert not allocates(lambda call=supervise, on=at, of=depths: call(on, of))
+        assert not allocates(lambda on=loop._on, of=loop._depths: part("supervise")(on, of))

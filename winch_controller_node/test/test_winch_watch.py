@@ -8,10 +8,11 @@ import pytest
 from cable_sim_node.winch.component import VirtualWinch, WinchCommand
 from cable_sim_node.winch.parameters import WinchParameters
 from heave_node.interface.codes import WinchFault, WinchLimit
-from winch_controller_node.core.supervision.watch.winch_watch import WinchWatch
 from winch_controller_node.design.design import design_controller
 from winch_controller_node.interface.readings import Lateness, WinchOrder, WinchReading
 from winch_controller_node.node_parameters import WinchControllerParameters
+
+from tests.core_parts import WinchWatch
 
 DT = 0.05
 PARAMETERS = WinchControllerParameters()
@@ -130,14 +131,14 @@ def test_a_limit_that_the_winch_reports_is_on_record(design, limits, is_limited)
 def test_a_winch_that_gets_no_order_keeps_the_last_one_which_is_counted_and_put_on_record(design):
     """Four ticks of 0.8 m/s: had they not been on record, the drum would be 0.16 m ahead of its prediction."""
     watch, drum = WinchWatch(design), VirtualWinch(WinchParameters(), tick_period=DT)
-    watch.keep()
+    watch.keep(watch.given)
     assert (watch.given, watch.kept) == (None, 1)
     drum.step(0, WinchCommand(1))
     for tick in range(1, 300):
         is_kept = 200 <= tick < 204
         command = WinchCommand(200 if is_kept else tick + 1, 0.0, 0.8)
         if is_kept:
-            watch.keep()
+            watch.keep(watch.given)
         else:
             watch.give(WinchOrder(command.sequence, 0.0, 0.8, brake=False))
         state = drum.step(tick, command)

@@ -1,10 +1,8 @@
-// The controller's tick on memory of its own: sense, proofs, winch watch, supervision, command, envelope, in this order.
+// The controller on memory of its own: the tick of tick.cpp, and between its stages what a node does in Python.
 #include "controller.h"
 
-#include "act.h"
 #include "image.h"
-#include "proofs.h"
-#include "supervise.h"
+#include "tick.h"
 
 #include <cstring>
 
@@ -44,7 +42,9 @@ struct Memory {
     ModeState mode;
     Situation situation;
     SupervisionState supervision;
+    SupervisionSeen supervision_seen;
     Supervised decided;
+    ActSeen act_seen;
     Loop loop;
     Problem problem;
     LawState law;
@@ -55,18 +55,31 @@ struct Memory {
     Order order;
     Place place;
     LoadWatchState load;
-    ActDone done;
-    double first_count;                            // read before the payout is known [m]; NaN: none
-    double sent[3];                                // own set-points of the last order, and its brake
-    int number, fault, cause, asks;                // of the tick; of the winch; of the envelope; what was needed last
-    bool has_begun, is_taken_over, is_acknowledged;
+    Given given;
+    Controlled controlled;
+    double first_count;         // read before the payout is known [m]; NaN: none
+    int number, cause, latched; // of the tick; of the envelope; for which it has taken over, 0: it has not
+    bool has_begun;
     Work work;
 };
 
-Acting acting(Memory &m, const ActSeen &seen) {
-    return {&seen, &m.tick.motions, &IMAGE.winch, &IMAGE.command, &m.loop, &IMAGE.law, &m.problem, &m.law, &m.command_state,
-            &m.command, IMAGE.A, IMAGE.B, &m.motion, IMAGE.has_envelope ? &IMAGE.envelope : nullptr, &m.envelope, &m.readings,
-            &m.order, &m.place, &IMAGE.load, &m.load, nullptr, nullptr, nullptr, &m.done};
+Supervising supervising(Memory &m) {
+    return {&IMAGE.sense, &m.sense, &m.tick, &IMAGE.supervision, &m.supervision, &m.supervision_seen, &m.decided, &IMAGE.landing,
+            &m.landing, &IMAGE.guard, &m.guard, &m.verdict, &IMAGE.attempts, &m.attempts, &IMAGE.modes, &m.mode, &m.situation};
+}
+
+Acting acting(Memory &m) {
+    return {&m.act_seen, &m.tick.motions, &IMAGE.winch, &IMAGE.command, &m.loop, &IMAGE.law, &m.problem, &m.law,
+            &m.command_state, &m.command, IMAGE.A, IMAGE.B, &m.motion, IMAGE.has_envelope ? &IMAGE.envelope : nullptr,
+            &m.envelope, &m.readings, &m.order, &m.place, &IMAGE.load, &m.load, nullptr, nullptr, nullptr, &m.controlled.acted};
+}
+
+Control controlled(Memory &m) {
+    Work &work = m.work;
+    return {&m.given, work.delivered, &IMAGE.sense, &m.filter, &IMAGE.look, &m.sense, &m.filter_state, &m.look,
+            work.found, work.observed, work.readings, work.said, work.by_measurement, work.depths, &m.tick,
+            &IMAGE.proofs, &m.proofs, &work.proofs, &IMAGE.winch_watch, &m.winch_watch, m.drum_rows, work.drum, m.minute,
+            &m.controlled, supervising(m), acting(m)};
 }
 
 // The process noise of the filter in the sea that is seen.
@@ -168,201 +181,68 @@ void change_mode(Memory &m, int before, int mode) {
     find_motions(IMAGE.look, m.look, inputs, {m.filter_state.x, m.motion.state, nullptr}, m.tick.motions);
 }
 
-void sense_tick(Memory &m, const HeaveReading *readings, int count, const HeaveWinch &winch) {
-    const bool may_use = begin_at_count(m, winch);
-    LookAt given{};
-    given.number = m.number;
-    given.compensating = m.command.compensating;
-    given.mean = m.command.mean;
-    given.unit_stands = m.decided.unit_stands;
-    given.winch_time = NOT_KNOWN;
+// What comes at a tick.
+void take_in(Memory &m, const HeaveReading *readings, int count, const HeaveWinch &winch) {
     for (int i = 0; i < count; i++) {
         const HeaveReading &one = readings[i];
         m.work.delivered[i] = {one.sensor, one.time, one.value, one.rate, one.roll, one.pitch, one.status, one.sigma, one.rate_sigma};
     }
+    Given &given = m.given;
+    given.number = m.number;
     given.readings = count;
-    if (winch.is_new && may_use) {
-        given.has_winch = 1.0;
-        given.winch_time = winch.time;
-        given.encoder = winch.payout;
-        given.is_driven = !winch.brake && winch.fault == 0;
-    }
-    const Core core{IMAGE.sense, m.filter, IMAGE.look, m.motion, m.sense, m.filter_state, m.look};
-    look_at(core, given, m.work.delivered, {m.work.found, m.work.observed, m.work.readings, m.work.said, m.work.by_measurement, m.work.depths},
-            m.tick);
-    if (int(m.tick.news) & SEA_CHANGED) follow_sea(m);
+    given.has_winch = winch.is_new;
+    given.has_begun = begin_at_count(m, winch);
+    given.stated_payout = m.has_begun ? NOT_KNOWN : m.first_count;
+    given.cause = m.latched;
+    given.at_end = given.is_limited = given.at_limit = 0.0;
+    if (!winch.is_new) return;
+    given.winch_time = winch.time;
+    given.encoder = winch.payout;
+    given.encoder_rate = winch.rate;
+    given.brake = winch.brake;
+    given.fault = winch.fault;
+    given.command = winch.sequence;
+    given.at_end = winch.limits_hit & IMAGE.payout_limit;
+    given.is_limited = winch.limits_hit != 0;
+    given.at_limit = winch.limits_hit & ~IMAGE.payout_limit;
 }
 
-void prove_tick(Memory &m, int count, const HeaveWinch &winch) {
-    ProofSeen seen{};
-    seen.latest = m.number * IMAGE.sense.tick_period + IMAGE.sense.health.stamp_tolerance;
-    seen.has_winch = winch.is_new;
-    seen.winch_time = winch.time;
-    seen.encoder = winch.payout;
-    seen.encoder_rate = winch.rate;
-    seen.is_braked = m.sent[2];
-    seen.waits = m.mode.mode == IN_STANDBY && m.mode.wants;
-    seen.hangs = hangs(m.landing);
-    seen.has_mru = !(int(m.tick.lost_sensors) >> IMAGE.sense.mru & 1) && m.sense.excluded != IMAGE.sense.mru;
-    seen.runs = m.is_taken_over && m.cause == BRAKE_SLIPS;
-    seen.has_swung = m.is_taken_over && m.cause == HARM;
-    prove(IMAGE.proofs, seen, m.work.delivered, count, m.proofs, m.work.proofs);
-}
-
-// Orders of the last seconds beside what the encoder made of them.
-void watch_orders(Memory &m, const HeaveWinch &winch) {
-    WinchSeen seen{};
-    seen.has_state = winch.is_new;
-    seen.given = m.number > 1 ? m.number - 1 : NOT_KNOWN;
-    if (winch.is_new) {
-        m.fault = winch.fault;
-        seen.taken = winch.sequence;
-        seen.at_end = winch.limits_hit & IMAGE.payout_limit;
-        seen.is_limited = winch.limits_hit != 0;
-    }
-    seen.payout = m.sent[0];
-    seen.rate = m.sent[1];
-    seen.brake = m.sent[2];
-    seen.reading = m.tick.encoder_payout;
-    seen.tension = m.tick.tension;
-    watch_winch(IMAGE.winch_watch, m.winch_watch, {m.drum_rows, m.work.drum}, m.minute, seen);
-}
-
-Supervising supervising(Memory &m, const SupervisionSeen &seen) {
-    return {&IMAGE.sense, &m.sense, &m.tick, &IMAGE.supervision, &m.supervision, &seen, &m.decided, &IMAGE.landing, &m.landing,
-            &IMAGE.guard, &m.guard, &m.verdict, &IMAGE.attempts, &m.attempts, &IMAGE.modes, &m.mode, &m.situation};
-}
-
-void decide(Memory &m) {
-    const LinkState &link = m.winch_watch.link;
-    const bool makes_own = m.order.phase == TAKEN || m.order.phase == RAMP;
-    SupervisionSeen seen{};
-    seen.fault = m.fault;
-    seen.speed = makes_own                       ? INFINITE
-                 : IMAGE.winch.is_first_order    ? std::abs(m.tick.motions.total_payout_rate)
-                                                 : std::abs(m.command.value - m.command.standing);
-    seen.mean_payout = m.motion.mean.payout;
-    seen.mean_acceleration = m.motion.mean.move.slope;
-    seen.settled_swing = IMAGE.settled_swing;
-    seen.share = IMAGE.share;
-    seen.drum_error = IMAGE.identifies_winch ? m.winch_watch.error : 0.0;
-    seen.is_certain = link.is_cut != 0 || link.overdue > IMAGE.largest_delay;
-    seen.envelope = m.is_taken_over;
-    seen.is_proved = !is_gate_closed(m.proofs);
-    seen.cell_jumped = (int(m.order.bits) & LOAD_IS_OFF) != 0;
-    supervise(supervising(m, seen), m.work.depths);
+// Does what follows from what was decided.
+void follow_decision(Memory &m) {
     const int before = int(m.decided.before), mode = int(m.decided.mode);
     if (mode != before) change_mode(m, before, mode);
     // a landed load asks for constant tension, which is not made here
     if (int(m.decided.happened) & UNIT_EVENT) take_event(IMAGE.modes, m.situation, ON_ASK_STOPPED, m.mode);
 }
 
-double way_of(const Memory &m) {
-    const Supervised &decided = m.decided;
-    if (decided.is_braked != 0.0) return BY_BRAKE;
-    switch (int(decided.mode)) {
-        case IN_COMPENSATING: return BY_LAW;
-        case IN_MANUAL: return BY_PLACE;
-        case IN_STOPPING: return BY_SLOWING;
-        case IN_FADE_OUT: break;
-        default: return BY_NOTHING;
-    }
-    if (decided.trusts_estimate == 0.0) return BY_SLOWING;
-    if (IMAGE.winch.is_first_order) return BY_LAW;
-    if (decided.is_damped != 0.0) return BY_SETTLING;
-    return decided.fades_by_law != 0.0 ? BY_LAW : BY_FADE;
-}
-
-ActSeen act_seen(const Memory &m, const HeaveWinch &winch) {
-    const Supervised &decided = m.decided;
-    const Tick &tick = m.tick;
-    const bool is_mru_lost = (int(tick.lost_sensors) >> IMAGE.sense.mru & 1) || m.sense.excluded == IMAGE.sense.mru;
-    ActSeen seen{};
-    seen.way = way_of(m);
-    seen.authority = decided.authority;
-    seen.compensates = decided.mode == IN_COMPENSATING;
-    seen.fades = decided.mode == IN_FADE_OUT;
-    seen.brake = decided.is_braked;
-    seen.is_damped = decided.is_damped;
-    seen.bounds_tension = decided.bounds_tension;
-    seen.unit_stands = decided.unit_stands;
-    seen.knows_tip = tick.knows_tip;
-    seen.has_depth = tick.has_depth;
-    seen.sees_landing = tick.sees_landing;
-    seen.follows_tip = !is_mru_lost;
-    seen.mru_rate = tick.mru_rate;
-    seen.tension = tick.tension;
-    seen.filtered_tension = tick.filtered_tension;
-    seen.static_tension = IMAGE.static_tension;
-    seen.at_limit = winch.is_new && (winch.limits_hit & ~IMAGE.payout_limit);
-    seen.stated_payout = m.has_begun ? NOT_KNOWN : m.first_count;
-    seen.scale = m.sense.encoder.scale;
-    seen.offset = m.sense.encoder.offset;
-    return seen;
-}
-
-// What the envelope sees: raw readings, and what an operator asks for.
-void read_raw(Memory &m, int count, const HeaveWinch &winch) {
-    Readings &readings = m.readings;
-    readings.mru_heave = readings.mru_rate = readings.count = readings.load = readings.depth = NOT_KNOWN;
-    for (int i = 0; i < count; i++) {
-        const Delivered &one = m.work.delivered[i];
-        if (one.sensor == IMAGE.sense.mru && one.status == 0.0) {
-            readings.mru_heave = one.value;
-            readings.mru_rate = one.rate;
-        }
-        if (one.sensor == IMAGE.sense.load_cell) readings.load = one.value;
-        if (one.sensor == IMAGE.sense.depth) readings.depth = one.value;
-    }
-    readings.drive = DRIVE_FREE;
-    if (winch.is_new) {
-        readings.count = winch.payout;
-        if (winch.brake || winch.fault) readings.drive = DRIVE_RESTS;
-        else if (winch.limits_hit) readings.drive = DRIVE_LIMITED;
-    }
-    const bool is_damped_blind = m.mode.mode == IN_FADE_OUT && m.situation.is_damped_blind != 0.0;
-    readings.duty = is_damped_blind ? double(DAMP) : IMAGE.duties[m.mode.mode];
-    readings.acknowledged = m.is_acknowledged;
-    m.is_acknowledged = false;
-}
-
-void act_tick(Memory &m, int count, const HeaveWinch &winch) {
-    const ActSeen seen = act_seen(m, winch);
-    read_raw(m, count, winch);
-    const Acting on = acting(m, seen);
-    std::copy_n(m.filter_state.x, IMAGE.command.states, m.loop.estimate);
-    std::copy_n(m.motion.state, IMAGE.command.states, m.loop.mean_state);
-    m.asks = act(on);
-    if (m.asks & NEEDS_PLAN) {  // without a plan the governor alone keeps the limits of the winch
-        m.law.has_plan = m.law.plan_age = 0;
-        std::fill_n(m.law.correction, int(FOLLOWED), 0.0);
-        follow_plan(IMAGE.winch, IMAGE.law, m.problem, m.law);
-        m.command.asked = m.law.command;
-        make(on);
-    }
-    leave(on);
-    if (m.order.cause != 0.0 && int(m.order.cause) != m.cause) m.is_taken_over = true;
-    m.cause = int(m.order.cause);
-    m.sent[0] = m.done.own_payout;
-    m.sent[1] = m.done.own_rate;
-    m.sent[2] = m.done.brake;
+// Without a plan the governor alone keeps the limits of the winch.
+void do_without_plan(Memory &m) {
+    m.law.has_plan = m.law.plan_age = 0;
+    std::fill_n(m.law.correction, int(FOLLOWED), 0.0);
+    follow_plan(IMAGE.winch, IMAGE.law, m.problem, m.law);
+    m.command.asked = m.law.command;
 }
 
 HeaveOrder ordered(const Memory &m) {
-    const ActDone &done = m.done;
+    const ActDone &done = m.controlled.acted;
     const double lowered = m.motion.mean.payout + m.motion.left_over.payout;
     const double depth = m.has_begun || std::isnan(m.first_count) ? lowered : m.first_count;
-    return {done.payout, done.rate, done.mean_payout, depth, done.brake != 0.0, m.number, m.mode.mode, int(m.decided.gates), m.decided.authority,
-            int(m.tick.lost_sensors), m.attempts.harm, m.cause, int(m.decided.happened), m.asks};
+    return {done.payout, done.rate, done.mean_payout, depth, done.brake != 0.0, m.number, m.mode.mode, int(m.decided.gates),
+            m.controlled.authority, int(m.tick.lost_sensors), m.attempts.harm, m.cause, int(m.decided.happened), int(m.controlled.asks)};
 }
 
 void step(Memory &m, const HeaveReading *readings, int count, const HeaveWinch &winch) {
     m.number++;
-    sense_tick(m, readings, count, winch);
-    prove_tick(m, count, winch);
-    watch_orders(m, winch);
-    decide(m);
-    act_tick(m, count, winch);
+    take_in(m, readings, count, winch);
+    const Control on = controlled(m);
+    for (int stage = control(on, SENSE); stage != DONE; stage = control(on, stage)) {
+        if (stage == DECIDE) follow_sea(m);
+        if (stage == POSE) follow_decision(m);
+        if (stage == MAKE) do_without_plan(m);
+    }
+    const int cause = int(m.order.cause);
+    if (cause != 0 && cause != m.cause) m.latched = cause;
+    m.cause = cause;
 }
 
 void begin(Memory &m) {
@@ -385,7 +265,11 @@ void begin(Memory &m) {
     restart_law(m.law);
     m.readings.target = m.readings.reference = m.first_count = NOT_KNOWN;
     m.readings.kind = STAND;
-    m.sent[2] = 1.0;
+    m.given.static_tension = IMAGE.static_tension;
+    m.given.settled_swing = IMAGE.settled_swing;
+    m.given.share = IMAGE.share;
+    m.given.tolerated_delay = IMAGE.largest_delay;
+    m.given.identifies_winch = IMAGE.identifies_winch;
 }
 
 }  // namespace
@@ -415,8 +299,8 @@ int heave_controller_request(void *memory, int mode) {
                           heave::ON_ASK_EMERGENCY_STOP};
     if (mode < 0 || mode > HEAVE_EMERGENCY_STOP || events[mode] < 0) return 0;
     heave::release_attempts({heave::IMAGE.guard, heave::IMAGE.attempts, m.guard, m.attempts});
-    m.is_acknowledged = true;
-    if (m.order.phase == heave::HELD) m.is_taken_over = false;
+    m.readings.acknowledged = 1.0;
+    if (m.order.phase == heave::HELD) m.latched = 0;
     heave::ask(m.proofs, false);
     m.mode.known_fault = int(m.situation.winch_fault);
     return heave::take_event(heave::IMAGE.modes, m.situation, events[mode], m.mode);

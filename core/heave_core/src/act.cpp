@@ -161,11 +161,6 @@ int answer(const Acting &on) {
     return asks;
 }
 
-int act(const Acting &on) {
-    pose(on);
-    return answer(on);
-}
-
 // The order leaves, within the envelope; what is sent is what all go by.
 void leave(const Acting &on) {
     Order &sent = *on.order;

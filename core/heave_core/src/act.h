@@ -9,7 +9,7 @@ namespace heave {
 
 // What a tick acts on. Python fills the addresses once, in this order.
 struct Acting {
-    const ActSeen *seen;
+    ActSeen *seen;
     const Motions *motions;
     const ActiveWinch *winch;
     const CommandDesign *design;
@@ -35,7 +35,6 @@ struct Acting {
 };
 
 // act.cpp
-int act(const Acting &on);
 int answer(const Acting &on);
 void pose(const Acting &on);
 void make(const Acting &on);

@@ -5,6 +5,7 @@
 #include "proofs.h"
 #include "sense.h"
 #include "supervise.h"
+#include "tick.h"
 
 extern "C" {
 
@@ -14,6 +15,9 @@ long long heave_core_size(int structure) {
     const int count = sizeof heave::STRUCTURE_SIZES / sizeof *heave::STRUCTURE_SIZES;
     return structure >= 0 && structure < count ? heave::STRUCTURE_SIZES[structure] : 0;
 }
+
+// A tick, from a stage of it on, on addresses that Python fills once; returns the stage at which it is to be called again.
+int heave_core_tick(const heave::Control *on, int from) { return heave::control(*on, from); }
 
 // Begin: the brake is on, and nothing was read yet.
 void heave_core_begin(heave::State *state) { heave::begin_envelope(*state); }
@@ -103,13 +107,9 @@ void heave_core_drum_ordered(const heave::DrumWatchDesign *design, heave::DrumWa
     *ordered = heave::drum_ordered(*design, *state, {rows, work}, of_nominal ? design->nominal : design->assumed);
 }
 
-// Commands: one that was taken, who is silent; and all that is watched of the winch in a tick.
+// Who is silent.
 void heave_core_link_silence(const heave::LinkDesign *design, heave::LinkState *state, int has_state, double untaken) {
     heave::note_silence(*design, *state, has_state, untaken);
-}
-
-void heave_core_watch_winch(const heave::WinchWatchDesign *design, heave::WinchWatchState *state, heave::DrumRow *rows, double *work, double *minute, const heave::WinchSeen *seen) {
-    heave::watch_winch(*design, *state, {rows, work}, minute, *seen);
 }
 
 // The largest speed from which half an acceleration is enough to stop after a distance.
@@ -117,7 +117,6 @@ double heave_core_approach_speed(double distance, double acceleration, double la
     return heave::approach_speed(distance, acceleration, lag);
 }
 
-// The nearest command to the wanted one within the limits of the winch.
 // A law without a plan, away from the limits.
 void heave_core_restart_law(heave::LawState *state) { heave::restart_law(*state); }
 
@@ -130,18 +129,6 @@ int heave_core_ask_law(const heave::ActiveWinch *winch, const heave::Law *law, c
 void heave_core_follow_plan(const heave::ActiveWinch *winch, const heave::Law *law, const heave::Problem *problem, heave::LawState *state) {
     heave::follow_plan(*winch, *law, *problem, *state);
 }
-
-// The acting half of a tick, on addresses that Python fills once: the problem is posed, the law is asked, the command is made
-// and the order leaves. What Python is asked for first is returned; it puts what it found into `asked` and calls the next part.
-int heave_core_act_tick(const heave::Acting *on) { return heave::act(*on); }
-
-void heave_core_act_pose(const heave::Acting *on) { heave::pose(*on); }
-
-int heave_core_act_answer(const heave::Acting *on) { return heave::answer(*on); }
-
-void heave_core_act_make(const heave::Acting *on) { heave::make(*on); }
-
-void heave_core_act_leave(const heave::Acting *on) { heave::leave(*on); }
 
 void heave_core_load_begin(const heave::LoadWatchDesign *design, heave::LoadWatchState *state) { heave::begin_load_watch(*design, *state); }
 
@@ -174,20 +161,12 @@ int heave_core_attempts_awaits(const heave::AttemptDesign *design, const heave::
 
 void heave_core_attempts_explain(heave::AttemptState *state) { heave::explain_attempt(*state); }
 
-// Supervision of a tick, on addresses that Python fills once; the depths read in it.
 void heave_core_supervision_begin(heave::SupervisionState *state) { heave::begin_supervision(*state); }
 
 void heave_core_supervision_reset_sea(heave::SupervisionState *state) { heave::begin_highest_tension(*state); }
 
-void heave_core_supervise(const heave::Supervising *on, const double *depths) { heave::supervise(*on, depths); }
-
-// Proofs before the brake opens: begin; a tick; an operator asks for a mode.
+// Proofs before the brake opens: begin; an operator asks for a mode.
 void heave_core_proofs_begin(const heave::ProofDesign *design, heave::ProofState *state) { heave::begin_proofs(*design, *state); }
-
-int heave_core_prove(const heave::ProofDesign *design, const heave::ProofSeen *seen, const heave::Delivered *delivered, int count,
-                     heave::ProofState *state, heave::ProofWork *work) {
-    return heave::prove(*design, *seen, delivered, count, *state, *work);
-}
 
 void heave_core_proofs_ask(heave::ProofState *state, int consent) { heave::ask(*state, consent); }
 
@@ -203,18 +182,8 @@ int heave_core_advance_motion(const double *A, const double *B, heave::MeanMotio
     return heave::advance_motion(A, B, states, command, is_braked, *motion);
 }
 
-// Constant tension without the motion reference unit: a tick of the record, a reading of the boom tip, and what leads alone.
-// What is sensed: begin; a tick, with the room for its readings: two of each delivered and one of the encoder; jumps.
+// What is sensed: begin; jumps.
 void heave_core_sense_begin(const heave::SenseDesign *design, heave::SenseState *state) { heave::begin_sense(*design, *state); }
-
-void heave_core_sense(const heave::SenseDesign *design, const heave::Filter *filter, const heave::LookDesign *look,
-                      const heave::MeanMotion *motion, heave::SenseState *state, heave::FilterState *filter_state,
-                      heave::LookState *look_state, const heave::LookAt *given, const heave::Delivered *delivered,
-                      heave::Observed *found, heave::Observed *observed, heave::Reading *readings, heave::Said *said,
-                      heave::Said *by_measurement, double *depths, heave::Tick *tick) {
-    heave::look_at({*design, *filter, *look, *motion, *state, *filter_state, *look_state}, *given, delivered,
-                   {found, observed, readings, said, by_measurement, depths}, *tick);
-}
 
 // A filter beside takes in the same tick, with a command as it takes it; it may be compared with the active one.
 void heave_core_second(const heave::SenseDesign *design, const heave::Filter *filter, const heave::LookDesign *look,
@@ -249,5 +218,4 @@ void heave_core_rescale_encoder(heave::SenseState *state, double factor, double 
 
 void heave_core_trust_encoder(heave::SenseState *state) { heave::trust(state->encoder); }
 
-// Parts of it by themselves: the gate of a sensor, jumps and noise, what innovations and tensions say.
 }

@@ -63,6 +63,11 @@ void watch_payout(const Supervising &on, const double *depths, bool is_known) {
 
 bool hangs(const LandingState &state) { return state.unit_stands == 0.0 && state.is_unloaded == 0.0; }
 
+// What rides on the unit says something of a hanging one.
+bool shows_hanging(const LandingState &state) {
+    return hangs(state) && !(state.may_stand != 0.0 && state.is_weighed == 0.0);
+}
+
 void begin_standing_load(SupervisionState &state) { state.watched = NOT_KNOWN; }
 
 void watch_standing_load(const Supervising &on, const double *depths, bool is_cell_lost, bool is_encoder_lost, int &happened) {

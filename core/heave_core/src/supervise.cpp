@@ -244,6 +244,18 @@ void watch_landing(const Supervising &on, int &happened) {
     if (landing.event != NOT) happened |= UNIT_EVENT;
 }
 
+// Compensation in a sea with peaks above those that the winch is to be used for is news, and again once they have grown.
+int watch_peaks(const Supervising &on) {
+    SupervisionState &state = *on.state;
+    if (on.mode->mode == IN_STANDBY) state.peak_reported = 0.0;
+    const double peak = on.design->peak_ratio * on.verdict->demand;
+    const double most = std::max(on.design->peak_use, on.design->grown * state.peak_reported);
+    // not a number: a law has spoilt the estimate
+    if (on.mode->mode != IN_COMPENSATING || !(peak > most)) return 0;
+    state.peak_reported = peak;
+    return SEA_ABOVE_WINCH;
+}
+
 void report(const Supervising &on, bool is_damped, int happened) {
     Supervised &done = *on.done;
     const bool is_reversed = on.seen->is_reversed != 0.0;
@@ -286,6 +298,7 @@ void supervise(const Supervising &on, const double *depths) {
     on.done->before = before;
     on.mode->before = on.mode->mode;
     follow_mode(on, before);
+    happened |= watch_peaks(on);
     watch_landing(on, happened);
     report(on, is_damped, happened);
 }

@@ -15,7 +15,7 @@ struct Supervising {
     const Tick *tick;
     const SupervisionDesign *design;
     SupervisionState *state;
-    const SupervisionSeen *seen;
+    SupervisionSeen *seen;
     Supervised *done;
     const LandingDesign *landing;
     LandingState *landing_state;
@@ -31,6 +31,7 @@ struct Supervising {
 
 // standing_load.cpp: the load while the winch stands
 bool hangs(const LandingState &state);
+bool shows_hanging(const LandingState &state);
 void begin_standing_load(SupervisionState &state);
 void watch_standing_load(const Supervising &on, const double *depths, bool is_cell_lost, bool is_encoder_lost, int &happened);
 int load_gates(const Supervising &on);

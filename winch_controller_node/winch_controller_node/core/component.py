@@ -8,18 +8,15 @@ command) and the rest, which is what the estimator and the laws deal with; the t
 from __future__ import annotations
 
 import math
-from functools import partial
+from collections.abc import Callable, Mapping
+from functools import cached_property, partial
 
-from heave_node.interface.codes import WinchLimit
+from heave_core.law_table import CONTROLLED, GIVEN, Stage, Stop
+from heave_node.interface.alarm import Alarm
 from heave_node.interface.preview import HeavePreview
 
-from winch_controller_node.core.envelope import Asked
-from winch_controller_node.core.estimation.loop_tick import LoopTick
 from winch_controller_node.core.events import ControllerEvents
-from winch_controller_node.core.loop_command import Tick
-from winch_controller_node.core.supervision.modes import Mode, ModeOutput, loop_words
-from winch_controller_node.core.supervision.proofs import Driven, Proven
-from winch_controller_node.core.supervision.supervisor import Decision, WinchSituation
+from winch_controller_node.core.supervision.modes import Mode, loop_words
 from winch_controller_node.design.prediction import predict_loop
 from winch_controller_node.interface.alarms import ALARMS
 from winch_controller_node.interface.observations import Observations
@@ -29,15 +26,34 @@ from winch_controller_node.interface.readings import (
     Report,
     RollingKpi,
     WinchOrder,
-    WinchReading,
 )
 
-DYNAMIC_LIMITS = int(~WinchLimit.PAYOUT)
-"""Limits of the winch that a sea takes it to."""
+NO_WINCH = (0.0, math.nan, 0.0, 0.0, False)
+"""What GIVEN has of a winch that has not reported."""
+
+AFTER_SENSE, BEFORE_ACT, BEFORE_ANSWER = (int(stop) for stop in Stop)
+"""Where a tick waits in any case."""
+
+NEWS, OBSERVED, PROOF_NEWS, ASKS, NOTED, ACTED = (
+    [row.name for row in CONTROLLED.rows].index(name)
+    for name in ("news", "observed", "proof_news", "asks", "compensating", "acted")
+)
+STATIC_TENSION = [row.name for row in GIVEN.rows].index("static_tension")
+"""Places in what a tick gives and is given."""
 
 
 class WinchController(ControllerEvents):
     """The controller: measurements in, orders out. Its parts, requests and events are in the modules of its bases."""
+
+    @cached_property
+    def _goes_on(self) -> Mapping[int, Callable[[], int]]:
+        """What is done where the core's tick waits, by stage; each returns the stage at which it goes on."""
+        return {
+            Stage.DECIDE: self._note_sensed,
+            Stage.POSE: self._decide,
+            Stage.ANSWER: self._see,
+            Stage.MAKE: self._ask,
+        }
 
     def figures(self) -> RollingKpi:
         """Return the figures of merit of the last window."""
@@ -51,57 +67,145 @@ class WinchController(ControllerEvents):
     def step(self, tick: int, measurements: Measurements) -> Outputs:
         """Do tick k: take the `measurements` of t_k, return the order for [t_k, t_{k+1}] and what is known."""
         self._alarms = []
-        if kept := self._winch.kept:
+        if kept := self._winch.take_kept():
             self._alarms.append(ALARMS.alarm("TICKS_LEFT_OUT", count=kept, time=kept * self._dt))
         self._run_programme(tick * self._dt)
         self._follow_operator()
         self._follow_beliefs(tick)
         self._watch_encoder(tick)
-        loop = self._estimation.step(
-            tick, measurements, self._command.shares, unit_stands=not self._supervisor.landing.shows_hanging
-        )
-        self._alarms += loop.faults
-        decision = self._decide(loop, measurements, self._prove(measurements, loop))
-        if decision.mode.before is not None or decision.landing is not None:
-            # the tick is reported by the reason for which it began
-            decision = decision._replace(mode=decision.mode._replace(reason=self.modes.reason))
-            self._change_mode(decision.mode, loop)
-            self._act_on(decision.landing, loop)
-            loop = self._estimation.refreshed(loop)
-        hangs = self._supervisor.landing.hangs
-        self._alarms += self._after_stop.step(loop, decision.mode, self.design.cable, hangs=hangs)
-        observations = self._observe(loop, measurements.winch, decision.mode)
-        preview = self._watch_preview(loop, measurements.preview)
-        order = self._act(loop, decision, measurements, preview)
+        self.envelope.see(measurements, self.mean.request)
+        stage, goes_on = self._begin(tick, measurements), self._goes_on
+        while stage:
+            stage = self._control.go_on(goes_on[stage]())
+        given, done = self._given, self._control.done.tolist()
+        payout, rate, brake, mean_payout, own_payout, own_rate, _, moved, load_news, _ = done[ACTED:]
+        sequence, authority, news, observed, *_ = done
+        self._given = WinchOrder(int(sequence), own_payout, own_rate, bool(brake))
+        mode = self._end(int(observed), int(news), int(moved), int(load_news))
+        noted = authority, mode is Mode.COMPENSATING, *done[NOTED:ACTED]
+        self._estimation.note_for_adviser(given, measurements.winch, noted)
         alarms = self._alarms
         if alarms:
-            does = self._does(loop, decision)
+            does = self._does(mode)
             alarms = [alarm.reported(does) for alarm in alarms]
+        order = WinchOrder(self._given.sequence, payout, rate, self._given.brake, mean_payout)
         kpi = self._kpi.figures() if tick % max(1, round(1.0 / self._dt)) == 0 else None
         return Outputs(
             order,
-            decision.mode.mode.value,
-            decision.mode.authority,
+            mode.value,
+            authority,
             self._estimation.depth_set_point,
-            partial(self._report, loop, decision, order),
+            partial(self._report, tick, mode, order),
             kpi,
             tuple(alarms),
             self._take_requests(),
-            observations,
+            self._batch(),
         )
 
-    def _report(self, loop: LoopTick, decision: Decision, order: WinchOrder) -> Report:
+    def _begin(self, tick: int, measurements: Measurements, stops: int = 0) -> int:
+        """Begin the core's tick with its `measurements`, and bits of `stops` in any case; return where it waits."""
+        estimation, winch, command = self._estimation, self._winch, self._command
+        self._measurements, self._situated, self._decided = measurements, None, None
+        readings = estimation.deliver(tick, measurements, command.shares)
+        command.begin()
+        report = measurements.winch
+        taken = winch.see(report, self.parameters)
+        of_winch = NO_WINCH if report is None else (1.0, *report[:4])
+        stops |= AFTER_SENSE if estimation.waits else 0
+        stops |= BEFORE_ACT if self.preview.is_wanted(measurements.preview) else 0
+        stops |= BEFORE_ANSWER if command.is_asked else 0
+        self._preview = None
+        return self._control.begin(
+            *(tick, readings, *of_winch, winch.fault, *taken, estimation.uses_count, estimation.stated_payout),
+            *(self._static_tension(self.mean.point.payout), command.settled_swing, self._share, winch.tolerated_delay),
+            *(self.parameters.identifies_winch, self._encoder.is_unresolved, self.envelope.cause, stops),
+        )
+
+    def _note_sensed(self) -> int:
+        """Note what has been sensed; return the stage at which the tick goes on."""
+        done = self._control.done
+        self._estimation.note(int(done[OBSERVED]), int(done[NEWS]))
+        return Stage.DECIDE
+
+    def _decide(self) -> int:
+        """Do what follows from what has happened, in words and in the loop; return where the tick goes on."""
+        done, winch = self._control.done, self._measurements.winch
+        self._tell_sensed(int(done[OBSERVED]), int(done[NEWS]))
+        self._alarms += self.proofs.alarms(int(done[PROOF_NEWS]), winch)
+        transport = self._winch.transport()
+        self._alarms += [transport.alarm] if transport.alarm else []
+        decision = self._supervisor.decided()
+        self._alarms += [alarm for alarm in decision.alarms if alarm not in self._alarms]
+        if decision.mode.before is not None or decision.landing is not None:
+            # the tick is reported by the reason for which it began
+            decision = decision._replace(mode=decision.mode._replace(reason=self.modes.reason))
+            loop = self._estimation.tick
+            self._change_mode(decision.mode, loop)
+            self._act_on(decision.landing, loop)
+            self._estimation.refresh()
+            self.envelope.see(self._measurements, self.mean.request)
+            self._control.given[STATIC_TENSION] = self._static_tension(self.mean.point.payout)
+        self._decided = decision
+        self._alarms += self._swing_left(decision.mode.mode, decision.mode.before)
+        self._preview = self._watch_preview()
+        return Stage.POSE
+
+    def _tell_sensed(self, observed: int, news: int) -> None:
+        """Note what has been sensed, readings that were `observed`, with what is new of the sensors."""
+        self._estimation.note(observed, news)
+        self._alarms += self.observer.alarms(news) if news else ()
+
+    def _see(self) -> int:
+        """Have the law see what is ahead; return the stage at which the tick goes on."""
+        return self._command.see(self._preview, self._supervisor.authority)
+
+    def _ask(self) -> int:
+        """Find what the core asks for; return the stage at which the tick goes on."""
+        return self._command.ask(int(self._control.done[ASKS]))
+
+    def _end(self, observed: int, news: int, moved: int, load_news: int) -> Mode:
+        """Take in what has been found in the tick; return its mode.
+
+        Parameters
+        ----------
+        observed : readings
+        news : of the sensors
+        moved : which payouts have
+        load_news : of load and winch
+        """
+        if self._decided is None:
+            self._tell_sensed(observed, news)
+            self._supervisor.go_on()
+            mode = self.mode
+            self._alarms += self._swing_left(mode)
+        else:
+            mode = self._decided.mode.mode
+        self._estimation.motion.advanced(moved)
+        if load_news:
+            tension, at_rest = self._estimation.tick.tension, float(self._control.given[STATIC_TENSION])
+            self._alarms += self._load.alarms(load_news, tension, at_rest, self.mean.point.rate, self.mode)
+        self._alarms += self.envelope.news()
+        return mode
+
+    def _swing_left(self, mode: Mode, before: Mode | None = None) -> tuple[Alarm, ...]:
+        """Return that a stop has left a swing, in a `mode`, and the one `before` where that has changed."""
+        if not self._after_stop.is_due(mode, before):
+            return ()
+        return self._after_stop.alarms(self._estimation.tick, self.design.cable, hangs=self._supervisor.landing.hangs)
+
+    def _report(self, number: int, mode: Mode, order: WinchOrder) -> Report:
         """Return the report of the last tick, made before the next one.
 
         Raises RuntimeError where that has been done.
         """
-        if loop.number != self._next_tick - 1:
-            raise RuntimeError(f"the report of tick {loop.number} is to be read before the next tick")
-        does, named = self._does(loop, decision), self._encoder.named
+        if number != self._next_tick - 1:
+            raise RuntimeError(f"the report of tick {number} is to be read before the next tick")
+        loop, decision = self._estimation.tick, self._decided or self._supervisor.decided_in(mode)
+        does, named = self._does(mode), self._encoder.named
         states = [
             # of drum and encoder one was found at fault: that is what stands
             state._replace(alarm=named) if state.sensor == "encoder" and state.alarm and named else state
-            for state in self.observer.states(loop.number)
+            for state in self.observer.states(number)
         ]
         sensors = tuple(state.reported(does) for state in states)
         reason = self.modes.reason if self.mode is decision.mode.mode else decision.mode.reason
@@ -133,44 +237,12 @@ class WinchController(ControllerEvents):
             is_inhibited=decision.is_inhibited,
         )
 
-    def _does(self, loop: LoopTick, decision: Decision) -> str:
-        """Return what the loop does, in words."""
-        blind = decision.is_damped and not loop.knows_tip
+    def _does(self, mode: Mode) -> str:
+        """Return what the loop does in a `mode`, in words."""
+        decision = self._decided or self._supervisor.decided_in(mode)
+        blind = decision.is_damped and not self._estimation.tick.knows_tip
         coasts = self.parameters.modes.coast_time if self.modes.coasts else 0.0
-        return loop_words(decision.mode.mode, is_damped_blind=blind, coasts=coasts)
-
-    def _act(
-        self, loop: LoopTick, decision: Decision, measurements: Measurements, preview: HeavePreview | None
-    ) -> WinchOrder:
-        """Return the order that leaves, in the encoder's count, within the envelope; all go by what is sent.
-
-        `preview` : to be used; None: none is
-        """
-        motion, winch, command = self._estimation.motion, measurements.winch, self._command
-        self.envelope.read(
-            measurements, Asked(self.mode, self.mean.request, is_damped_blind=self.modes.is_damped_blind)
-        )
-        static_tension = self._static_tension(self.mean.point.payout)
-        command.act(
-            Tick(
-                loop,
-                decision,
-                static_tension=static_tension,
-                is_at_limit=winch is not None and bool(winch.limits_hit & DYNAMIC_LIMITS),
-                stated_payout=self._estimation.stated_payout,
-                encoder=self.observer.encoder,
-            ),
-            preview,
-        )
-        payout, rate, brake, mean_payout, own_payout, own_rate, _, moved, news, _ = command.leave()
-        motion.advanced(int(moved))
-        self._alarms += self._load.alarms(int(news), loop.tension, static_tension, self.mean.point.rate, self.mode)
-        self._alarms += self.envelope.news()
-        self._sequence += 1
-        self._winch.give(WinchOrder(self._sequence, own_payout, own_rate, bool(brake)))
-        order = WinchOrder(self._sequence, payout, rate, bool(brake), mean_payout)
-        self.proofs.note(order)
-        return order
+        return loop_words(mode, is_damped_blind=blind, coasts=coasts)
 
     def leave_out(self, tick: int) -> tuple[str, ...]:
         """Let tick k pass, predicted: no readings were taken and no order was given, so the winch has kept the last.
@@ -178,10 +250,10 @@ class WinchController(ControllerEvents):
         What was measured meanwhile is given to the next `step`, which reports how many ticks were left out. Returns
         what an operator has requested since the tick before, in words.
         """
-        shares, stands = self._command.shares, not self._supervisor.landing.shows_hanging
-        self._estimation.step(tick, Measurements(), shares, unit_stands=stands)
-        self._estimation.advance_mean(shares.mean, is_braked=self.modes.brake)
-        self._winch.keep()
+        self._begin(tick, Measurements(), AFTER_SENSE)
+        self._note_sensed()
+        self._estimation.advance_mean(self._command.shares.mean, is_braked=self.modes.brake)
+        self._winch.keep(self._given)
         self.envelope.leave_out()
         self._estimation.log.break_record()
         self._next_tick = tick + 1
@@ -191,61 +263,21 @@ class WinchController(ControllerEvents):
         requests, self._requests = tuple(self._requests), []
         return requests
 
-    def _observe(self, loop: LoopTick, winch: WinchReading | None, mode: ModeOutput) -> Observations | None:
-        """Note the tick for the adviser; return the batch that it completes."""
-        log, observer = self._estimation.log, self.observer
-        is_compensating = mode.mode is Mode.COMPENSATING
-        log.add(loop, observer, self._winch.given, winch, authority=mode.authority, compensates=is_compensating)
+    def _batch(self) -> Observations | None:
+        """Return the batch for the adviser that the tick completes."""
+        log = self._estimation.log
+        if not log.is_complete:
+            return None
         return log.batch(
             self._beliefs.beliefs.number,
-            excluded=observer.excluded,
+            excluded=self.observer.excluded,
             is_trusted=self._supervisor.guard.trusts_estimate,
             restated=self._beliefs.restated,
         )
 
-    def _prove(self, measurements: Measurements, loop: LoopTick) -> Proven:
-        """Return what nominal values and the `measurements` of the tick prove, whose lost sensors `loop` has."""
-        modes, reason = self.modes, self.envelope.reason
-        waits = modes.mode is Mode.STANDBY and modes.wants_compensation
-        latest = (self._next_tick - 1) * self._dt + self.parameters.health.stamp_tolerance
-        hangs, taken_over = self._supervisor.landing.hangs, "" if reason is None else reason.name
-        driven = Driven(waits, hangs, taken_over, latest, has_mru="mru" not in loop.lost)
-        proven = self.proofs.step(measurements, driven, self._estimation.core_tick.delivered)
-        self._alarms += proven.alarms
-        return proven
-
-    def _decide(self, loop: LoopTick, measurements: Measurements, proven: Proven) -> Decision:
-        """Have winch and loop supervised."""
-        transport = self._winch.watch(
-            measurements.winch,
-            None if math.isnan(loop.encoder_payout) else loop.encoder_payout,
-            loop.tension,
-            self.parameters,
-        )
-        decision = self._supervisor.decide(
-            loop,
-            WinchSituation(
-                fault=self._winch.fault,
-                fault_cause=self._winch.fault_cause(measurements.lateness),
-                speed=math.inf if self.envelope.moves_winch else self._command.speed(loop),
-                envelope="" if self.envelope.reason is None else self.envelope.reason.brief,
-                mean_payout=self.mean.point.payout,
-                mean_acceleration=self.mean.point.acceleration,
-                settled_swing=self._command.settled_swing,
-                share=self._beliefs.beliefs.authority if self.parameters.identifies_winch else 1.0,
-                drum_error=self._winch.drum_error if self.parameters.identifies_winch else 0.0,
-                inhibition=transport.inhibition or self._encoder.inhibition,
-                is_reversed=self._encoder.is_unresolved,
-                proven=proven,
-                cell_jumped=self.envelope.cell_jumped,
-            ),
-        )
-        self._alarms += [transport.alarm] if transport.alarm else []
-        self._alarms += [alarm for alarm in decision.alarms if alarm not in self._alarms]
-        return decision
-
-    def _watch_preview(self, loop: LoopTick, delivered: HeavePreview | None) -> HeavePreview | None:
+    def _watch_preview(self) -> HeavePreview | None:
         """Return the preview that is to be used; say when one is used no more, or again."""
+        loop, delivered = self._estimation.tick, self._measurements.preview
         boom_tip = None if "mru" in loop.lost else loop.tip
         preview = self.preview.step(loop.number * round(self._dt * 1e9), delivered, boom_tip)
         is_used = preview is not None

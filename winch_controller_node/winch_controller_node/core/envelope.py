@@ -18,6 +18,7 @@ from heave_node.interface.codes import MruStatus, WinchFault
 
 from winch_controller_node.core.supervision.modes import Mode
 from winch_controller_node.core.supervision.proof_design import PLAUSIBLE_LOAD
+from winch_controller_node.core.supervision.supervision_design import DUTIES
 from winch_controller_node.core.supervision.watch.load_watch import Episode
 from winch_controller_node.interface.alarms import ALARMS
 from winch_controller_node.interface.readings import Measurements, WinchOrder
@@ -26,15 +27,6 @@ from winch_controller_node.motion.trajectory import MoveRequest
 from winch_controller_node.node_parameters import WinchControllerParameters
 from winch_controller_node.parameters.envelope import EnvelopeParameters
 from winch_controller_node.parameters.model import WinchModelParameters
-
-DUTIES = {
-    Mode.COMPENSATING: Duty.FOLLOW,
-    Mode.CONSTANT_TENSION: Duty.TENSION,
-    Mode.FADE_OUT: Duty.FADE,
-    Mode.STOPPING: Duty.STOP,
-    Mode.EMERGENCY_STOP: Duty.STOP,
-}
-"""What a mode is there for; in all others the drum does what an operator asks for."""
 
 MOVES = {
     "go": MoveKind.GO,
@@ -65,11 +57,8 @@ LIFT_RATE, DUTY, HELD_TENSION, REQUEST, ACKNOWLEDGED = (
 BITS, CAUSE, PHASE = (EnvelopeOrder._fields.index(name) for name in ("bits", "cause", "phase"))
 """Places of what was read and of what leaves in the core's rows."""
 
-LOAD_JUMPED, LOAD_IS_OFF = int(Bit.LOAD_JUMPED), int(Bit.LOAD_IS_OFF)
-"""Bit of a step that no load makes, and of a load cell that is off by such steps."""
-
-OWN_ORDER = (float(Phase.TAKEN), float(Phase.RAMP))
-"""Phases in which the envelope makes the order itself."""
+LOAD_JUMPED = int(Bit.LOAD_JUMPED)
+"""Bit of a step that no load makes."""
 
 FREE, RESTS, LIMITED = (
     float(state) for state in (DriveState.DRIVE_FREE, DriveState.DRIVE_RESTS, DriveState.DRIVE_LIMITED)
@@ -85,7 +74,6 @@ class Asked(NamedTuple):
     tension: float = math.nan  # to hold [N]; NaN: none
     # at which the mean payout is carried along where the place moves about which the tip heaves [m/s]
     lift_rate: float = 0.0
-    is_damped_blind: bool = False  # a fade-out damps the unit by the depth sensor alone
 
 
 def nominal_design(parameters: WinchControllerParameters, cable: CableModel, tick_period: float) -> dict[str, Any]:
@@ -161,13 +149,15 @@ class OrderEnvelope:
         self._cable, self._length = cable, parameters.length
         self._core = Envelope(nominal_design(parameters, cable, tick_period))
         self._is_active, self._source = parameters.envelope.active, source
-        self._has_begun = self._is_acknowledged = False
+        self._has_begun = False
         self._depth, self._cause = math.nan, 0.0
         self._jumps = Episode(tick_period)
         self._move: MoveRequest | None = None
         # of the core, by name
         self.records = self._core.records if self._is_active else {**self._core.records, "envelope": None}
-        self.reason: Alarm | None = None  # why it has taken over, until an operator acknowledges; None: it has not
+        # why it has taken over, in numbers and in words, until an operator acknowledges; 0, None: it has not
+        self.cause = 0.0
+        self.reason: Alarm | None = None
 
     def take_nominal(self, parameters: WinchControllerParameters) -> None:
         """Go by other nominal `parameters` from now on, as an operator states them; of the cable, another length."""
@@ -180,24 +170,14 @@ class OrderEnvelope:
         """What left in the last tick, and why."""
         return self._core.last
 
-    @property
-    def cell_jumped(self) -> bool:
-        """Tell whether the load cell is off by a jump that no operator knows of."""
-        return int(self._core.order.item(BITS)) & LOAD_IS_OFF != 0
-
-    @property
-    def moves_winch(self) -> bool:
-        """Tell whether the envelope makes the order itself, and the drum is not at rest yet."""
-        return self._core.order.item(PHASE) in OWN_ORDER
-
     def acknowledge(self) -> None:
         """Release what is latched, once drum and order are at rest; an operator has asked for a mode.
 
         A load cell that has jumped is one that he knows of.
         """
-        self._is_acknowledged = True
+        self._core.readings[ACKNOWLEDGED] = 1.0
         if self._core.order.item(PHASE) == Phase.HELD:
-            self.reason = None
+            self.cause, self.reason = 0.0, None
 
     def distance_to(self, depth: float) -> float:
         """Return how much deeper than the newest raw reading of the depth sensor a `depth` is [m]; NaN without one."""
@@ -207,22 +187,21 @@ class OrderEnvelope:
         """Let a tick pass in which nothing is read and the winch keeps the last order."""
         if self._is_active and self._has_begun:
             readings = self._core.readings
+            is_acknowledged = readings.item(ACKNOWLEDGED)
             readings[:READ], readings[ACKNOWLEDGED:] = NOTHING_READ, (0.0, *self._core.order[:3])
             self._core.go()
+            readings[ACKNOWLEDGED] = is_acknowledged
 
-    def read(self, raw: Measurements, asked: Asked) -> None:
-        """Take in what comes at a tick: `raw` readings, and what was `asked` by an operator."""
+    def see(self, raw: Measurements, move: MoveRequest) -> None:
+        """Take in what comes at a tick beside what the core reads: a `raw` depth, the last request for a `move`."""
+        self._has_begun = True
         if depths := raw.of("depth"):
             self._depth = depths[-1].value
-        readings = self._core.readings
-        readings[:READ] = _readings(raw)
-        readings[DUTY] = Duty.DAMP if asked.is_damped_blind else DUTIES.get(asked.mode, Duty.OPERATE)
-        if asked.move is not self._move:
-            self._move = move = asked.move
+        if move is not self._move:
+            self._move = move
             to_go = move.distance, move.target, move.reference
-            readings[REQUEST:ACKNOWLEDGED] = (move.number, MOVES[move.kind], *to_go, move.speed, move.acceleration)
-        readings[ACKNOWLEDGED] = self._is_acknowledged
-        self._has_begun, self._is_acknowledged = True, False
+            of_move = (move.number, MOVES[move.kind], *to_go, move.speed, move.acceleration)
+            self._core.readings[REQUEST:ACKNOWLEDGED] = of_move
 
     def news(self) -> list[Alarm]:
         """Return what is new since the order of the last tick has left."""
@@ -231,7 +210,7 @@ class OrderEnvelope:
         found = [ALARMS.alarm("SENSOR_DOUBTFUL, LOAD_CELL: jump", step=1e-3 * self.last.load_step)] if jumps else []
         if not self._cause or self._cause == before:
             return found
-        self.reason = _alarm(self.last, self._source)
+        self.cause, self.reason = self._cause, _alarm(self.last, self._source)
         return [*found, self.reason]
 
     def step(self, raw: Measurements, asked: Asked, order: WinchOrder) -> tuple[WinchOrder, list[Alarm]]:
@@ -239,13 +218,16 @@ class OrderEnvelope:
 
         `raw` : readings of the tick; `asked` : by an operator
         """
-        self.read(raw, asked)
+        self.see(raw, asked.move)
+        readings = self._core.readings
+        readings[:READ] = _readings(raw)
+        readings[DUTY] = DUTIES.get(asked.mode, Duty.OPERATE)
         if not self._is_active:
             return order, []
-        readings = self._core.readings
         readings[LIFT_RATE], readings[HELD_TENSION] = asked.lift_rate, asked.tension
         readings[ACKNOWLEDGED + 1 :] = order.payout, order.payout_rate, order.brake
         sent = self._core.go()
+        readings[ACKNOWLEDGED] = 0.0
         if sent.payout == order.payout and sent.rate == order.payout_rate and bool(sent.brake) == order.brake:
             return order, self.news()
         return order._replace(payout=sent.payout, payout_rate=sent.rate, brake=bool(sent.brake)), self.news()

@@ -131,7 +131,7 @@ class ControllerEvents(OperatorRequests):
         if self._beliefs.corrected:
             restart(self, Event.CORRECTED)
         for owner in self._beliefs.corrected:
-            self._supervisor.guard.allow_correction(owner)
+            self._supervisor.guard.allow_correction(owner, (tick - 1) * self._dt)
         if "encoder" in self._beliefs.corrected:
             restart(self, Event.ENCODER_CORRECTED)
 
@@ -165,7 +165,7 @@ class ControllerEvents(OperatorRequests):
         elif act is Act.SET_ASIDE and ordered is not None:
             self._estimation.compare_count(tick - 1)
             self._estimation.set_encoder_aside(ordered.payout, tick - 1)
-            self._supervisor.guard.allow_correction("encoder")
+            self._supervisor.guard.allow_correction("encoder", (tick - 1) * self._dt)
             self._alarms.append(self._encoder.alarm)
 
     def _separate(self, tick: int, *, is_frozen: bool, is_aside: bool) -> None:

@@ -1,6 +1,6 @@
-"""From mode and loop to the order: which law is asked, the mean payout's share, the governor, the set-points.
+"""The command and its parts: the law, constant tension, a plan at the limits, a law of somebody else.
 
-All of it is made in the core (act.cpp); a law of somebody else and a plan at the limits are asked here.
+From mode and loop to the order all is made in the core (act.cpp); what it asks for first is found here.
 """
 
 from __future__ import annotations
@@ -10,18 +10,14 @@ from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
-from heave_core.law import Acting, Commander, Place, put
-from heave_core.law_table import COMMAND, COMMAND_STATE, Asks, Shaped, Way
+from heave_core.law import ACTING, Commander, Control, Place, put
+from heave_core.law_table import ACT_SEEN, COMMAND, COMMAND_STATE, Asks, Shaped, Stage
 from heave_core.library import new
 from heave_node.interface.preview import HeavePreview
 
-from winch_controller_node.core.envelope import OrderEnvelope
-from winch_controller_node.core.estimation.loop_tick import MOTIONS_IN_TICK, CommandShares, LoopTick
-from winch_controller_node.core.estimation.observation import EncoderGate
-from winch_controller_node.core.supervision.modes import SETTLING_LIMIT, Mode
+from winch_controller_node.core.estimation.loop_tick import CommandShares
+from winch_controller_node.core.supervision.modes import SETTLING_LIMIT
 from winch_controller_node.core.supervision.rolling_kpi import KpiWindow
-from winch_controller_node.core.supervision.supervisor import Decision
-from winch_controller_node.core.supervision.watch.load_watch import LoadWatch
 from winch_controller_node.design.design import ControllerDesign
 from winch_controller_node.laws.constant_tension import TRAVEL, ConstantTension
 from winch_controller_node.laws.core_law import CoreLaw
@@ -31,7 +27,6 @@ from winch_controller_node.laws.parts.governor import TENSION, GovernedCommand, 
 from winch_controller_node.laws.parts.loop_state import LoopState, Reference
 from winch_controller_node.laws.parts.winch_limits import ActiveWinch, WinchLimits
 from winch_controller_node.model.models import loop_rows
-from winch_controller_node.motion.mean_motion import MeanMotion
 
 GIVING_TIME = 1.0
 """A winch gives way to a tension above the highest one within this time [s], and no quicker than twice its lag."""
@@ -53,16 +48,8 @@ CONSTANTS = {
 }
 """Constants of the command: meanings and units are in the core's table, COMMAND_DESIGN."""
 
-WAYS = {
-    Mode.COMPENSATING: Way.BY_LAW,
-    Mode.CONSTANT_TENSION: Way.BY_TENSION,
-    Mode.MANUAL: Way.BY_PLACE,
-    Mode.STOPPING: Way.BY_SLOWING,
-}
-"""By what the command is made in a mode without its brake."""
-
-ASKED, VALUE, STANDING, COMPENSATING, MEAN = (
-    [row.name for row in COMMAND.rows].index(name) for name in ("asked", "value", "standing", "compensating", "mean")
+ASKED, COMPENSATING, MEAN = (
+    [row.name for row in COMMAND.rows].index(name) for name in ("asked", "compensating", "mean")
 )
 """Places in the core's command."""
 
@@ -116,43 +103,23 @@ class TickCommand(NamedTuple):
     standing: float  # command under which the winch would stay where it is, in its unit
 
 
-class Beside(NamedTuple):
-    """What else the acting half of a tick works on."""
-
-    motion: MeanMotion  # mean payout
-    envelope: OrderEnvelope  # in front of the winch
-    kpi: KpiWindow  # window of the figures of merit
-    load: LoadWatch  # alarms of load and winch
-
-
-class Tick(NamedTuple):
-    """What a tick goes by."""
-
-    loop: LoopTick  # what is known of it
-    decision: Decision  # what is to be done
-    static_tension: float  # under the hanging unit at rest [N]
-    is_at_limit: bool  # a limit of the winch that a sea takes it to acts
-    stated_payout: float  # payout that was read before it is known to be the mean one [m]; NaN: it is known
-    encoder: EncoderGate  # that counts
-
-
 class LoopCommand:
     """The acting half of a tick, in the core: from what is to be done to the order that leaves.
 
     Parameters
     ----------
     design : the active one; law : of it, for compensation
-    beside : what else it works on
+    kpi : window of the figures of merit, which counts by the limits of the winch
+    control : of the tick
     """
 
-    def __init__(self, design: ControllerDesign, law: ControlLaw, beside: Beside) -> None:
+    def __init__(self, design: ControllerDesign, law: ControlLaw, kpi: KpiWindow, control: Control) -> None:
         self._state, self._command = new(COMMAND_STATE), new(COMMAND)
         self._numbers = self._command.view(np.float64)
         self._elsewhere: LawCommand | None = None
-        self._beside, self._acting = beside, Acting()
-        place = Place(LEAK, REACH).record
-        others = {**beside.envelope.records, **beside.kpi.records, **beside.load.records}
-        self._acting.take(motion=beside.motion.record, place=place, **others)
+        self._preview: HeavePreview | None = None
+        self._kpi, self._control = kpi, control
+        control.take(ACTING, seen=new(ACT_SEEN), place=Place(LEAK, REACH).record, **kpi.records)
         self._tension = ConstantTension(self._state["tension"])
         self.take_design(design, law)
 
@@ -167,10 +134,11 @@ class LoopCommand:
         self._core_law = law if isinstance(law, CoreLaw) else None
         self._active = active
         damping = None if self._is_first_order else OutletHold(model, self._winch, design.cable.a)
-        self._settled_swing = math.inf if damping is None else damping.settled_swing
+        # swing of the unit at which a fade-out may end [m]; infinite where the law is not asked to damp it
+        self.settled_swing = math.inf if damping is None else damping.settled_swing
         self._core = commander(design, active, law, self._state, self._command)
-        self._acting.take(**self._core.records, A=np.ascontiguousarray(model.A), B=model.B[:, 0].copy())
-        self._beside.kpi.take_winch(self._winch)
+        self._control.take(ACTING, **self._core.records, A=np.ascontiguousarray(model.A), B=model.B[:, 0].copy())
+        self._kpi.take_winch(self._winch)
         tension = self._tension.take_design(
             model, design.cable, self._winch, parameters.tension, round_trip=design.wave_round_trip
         )
@@ -189,11 +157,6 @@ class LoopCommand:
         has_loop = self._is_first_order or self._winch.position_gain > 0.0
         return self._winch.command_delay + COUNT_MARGIN if has_loop else 0.0
 
-    @property
-    def settled_swing(self) -> float:
-        """Swing of the unit at which a fade-out may end [m]; infinite where the law is not asked to damp it."""
-        return self._settled_swing
-
     def ease(self) -> None:
         """Let the order make no step for some seconds: something else is assumed."""
         put(self._state, {"easing": EASING})
@@ -211,14 +174,6 @@ class LoopCommand:
         """What was commanded last: what compensates, and what moves the mean payout."""
         return CommandShares(self._numbers.item(COMPENSATING), self._numbers.item(MEAN))
 
-    def speed(self, tick: LoopTick) -> float:
-        """Return the speed of the winch as last commanded at `tick` [m/s], absolute."""
-        numbers = self._numbers
-        if self._is_first_order:
-            return math.fabs(tick.total_payout_rate)
-        speed: float = numbers.item(VALUE) - numbers.item(STANDING)
-        return abs(speed)
-
     @property
     def limits(self) -> WinchLimits:
         """The active limits of the winch."""
@@ -229,70 +184,44 @@ class LoopCommand:
         limits = self.limits
         return limits.payout_minimum, limits.payout_maximum
 
-    def act(self, tick: Tick, preview: HeavePreview | None = None) -> None:
-        """Make command and set-points of a `tick`: the law's and the mean payout's share, governed.
+    @property
+    def is_asked(self) -> bool:
+        """Tell whether the law is to be asked before its command is: it sees a preview, or is not of the suite."""
+        law = self._core_law
+        return law is None or law.preview is not None
 
-        `preview` : of the boom tip, seen from this tick; None: there is none
+    def begin(self) -> None:
+        """Begin a tick: no law has been asked elsewhere."""
+        self._elsewhere = None
+
+    def see(self, preview: HeavePreview | None, authority: float) -> int:
+        """Have a law that plans see what is ahead; return the stage at which the tick goes on.
+
+        Parameters
+        ----------
+        preview : of the boom tip, seen from this tick; None: there is none
+        authority : of compensation
         """
-        core, law, acting, loop = self._core, self._core_law, self._acting, tick.loop
-        core.estimate[:], core.mean_state[:], acting.motions[:] = loop.estimate, loop.mean_state, loop[MOTIONS_IN_TICK]
-        acting.seen[:] = self._seen(tick)
-        if preview is not None:
-            preview = replace(preview, heave=tick.decision.mode.authority * preview.heave)
-        if law is not None and law.preview is None:
-            asks = acting.act()
-        else:
-            acting.pose()
-            if law is not None and law.planner is not None:
-                law.planner.see(preview, core.x)
-            asks = acting.answer()
+        self._preview = None if preview is None else replace(preview, heave=authority * preview.heave)
+        if self._core_law is not None and self._core_law.planner is not None:
+            self._core_law.planner.see(self._preview, self._core.x)
+        return Stage.ANSWER
+
+    def ask(self, asks: int) -> int:
+        """Find what the core `asks` for before it goes on; return the stage at which it does."""
         if asks == Asks.NEEDS_TENSION:
             self._tension.begin_alone(self._payout())
-            asks = acting.answer()
-        self._elsewhere = self._asked_elsewhere(asks, preview) if asks else None
-        if self._elsewhere is not None:
-            self._numbers[ASKED] = self._elsewhere.value
-            acting.make()
+            return Stage.ANSWER
+        self._elsewhere = self._asked_elsewhere(asks)
+        self._numbers[ASKED] = self._elsewhere.value
+        return Stage.MAKE
 
-    def leave(self) -> list[float]:
-        """Send the order through the envelope; all go by what is sent. Return what has been done, as in ACT_DONE."""
-        self._acting.leave()
-        done: list[float] = self._acting.done.tolist()
-        return done
-
-    def _seen(self, tick: Tick) -> tuple[float, ...]:
-        """Return what is to be done in a tick and what was read in it, in the order of `ActSeen`."""
-        loop, decision, encoder = tick.loop, tick.decision, tick.encoder
-        mode = decision.mode
-        return (
-            *(self._way(decision), mode.authority, mode.mode is Mode.COMPENSATING, mode.mode is Mode.FADE_OUT),
-            *(mode.brake, decision.is_damped, decision.bounds_tension, decision.unit_stands),
-            *(loop.knows_tip, loop.has_depth, loop.sees_landing, "mru" not in loop.lost, loop.mru_rate),
-            *(loop.tension, loop.filtered_tension, tick.static_tension, tick.is_at_limit, tick.stated_payout),
-            *(encoder.scale, encoder.offset),
-        )
-
-    def _way(self, decision: Decision) -> Way:
-        """Return by what the command of a tick is made."""
-        if decision.mode.brake:
-            return Way.BY_BRAKE
-        if decision.mode.mode is not Mode.FADE_OUT:
-            return WAYS.get(decision.mode.mode, Way.BY_NOTHING)
-        if not decision.trusts_estimate:
-            return Way.BY_SLOWING
-        if self._is_first_order:  # it has no rate to command: its law fades out by itself
-            return Way.BY_LAW
-        if decision.is_damped:
-            return Way.BY_SETTLING
-        # where a sensor was lost the estimated motion of the unit is not to be acted upon
-        return Way.BY_LAW if decision.fades_by_law else Way.BY_FADE
-
-    def _asked_elsewhere(self, asks: int, preview: HeavePreview | None) -> LawCommand:
+    def _asked_elsewhere(self, asks: int) -> LawCommand:
         """Return what the core `asks` for: a plan, or another law."""
         if asks & Asks.NEEDS_PLAN:
             assert self._core_law is not None
             return self._core_law.planned()
-        return self._law.command(self._posed(preview))
+        return self._law.command(self._posed(self._preview))
 
     def _payout(self) -> float:
         """Return the payout of the drum [m]."""

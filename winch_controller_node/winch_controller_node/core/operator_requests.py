@@ -39,6 +39,7 @@ class OperatorRequests(ControllerParts):
 
         Returns the mode taken in words. Raises ModeError, saying why, where it cannot be taken.
         """
+        self._situation()  # in words, before the request changes what is known of the tick
         restart(self, Event.ASKED)
         self.proofs.ask(consent=consent)
         taken = self._taken(name, tension)
@@ -84,6 +85,7 @@ class OperatorRequests(ControllerParts):
 
     def _asked_mode(self, name: str, tension: float, *, consent: bool) -> str:
         """Take a mode as `ask_for_mode` does."""
+        self._situation()  # in words, before the request changes what is known of the tick
         self.proofs.ask(consent=consent)
         obstacle = self.proofs.left_of(self.modes.obstacle)
         if name == Mode.COMPENSATING.value and self.mode not in (Mode.OFF, Mode.COMPENSATING) and obstacle:

@@ -4,27 +4,31 @@ from __future__ import annotations
 
 import math
 
+from heave_core.law import ACTING, PROVING, SUPERVISING, WATCHING, Control
 from heave_node.interface.alarm import Alarm
+from heave_node.interface.preview import HeavePreview
 
 from winch_controller_node.beliefs.beliefs import Beliefs
 from winch_controller_node.core.beliefs_in_force import BeliefsInForce
 from winch_controller_node.core.design_in_force import DesignInForce
 from winch_controller_node.core.envelope import OrderEnvelope
 from winch_controller_node.core.estimation.loop_estimation import LoopEstimation
+from winch_controller_node.core.estimation.loop_tick import LoopTick
 from winch_controller_node.core.estimation.observation import Observer
 from winch_controller_node.core.estimation.preview_watch import PreviewWatch
-from winch_controller_node.core.loop_command import Beside, LoopCommand
+from winch_controller_node.core.loop_command import LoopCommand
 from winch_controller_node.core.supervision.after_stop import AfterStop
 from winch_controller_node.core.supervision.late_commands import LateCommands
 from winch_controller_node.core.supervision.mode_machine import ModeMachine
 from winch_controller_node.core.supervision.modes import Mode
 from winch_controller_node.core.supervision.proofs import Proofs
 from winch_controller_node.core.supervision.rolling_kpi import KpiWindow
-from winch_controller_node.core.supervision.supervisor import Sensed, Supervisor
+from winch_controller_node.core.supervision.supervisor import Decision, Supervisor, WinchSituation
 from winch_controller_node.core.supervision.watch.encoder_reflex import EncoderReflex
 from winch_controller_node.core.supervision.watch.load_watch import LoadWatch, rope_strength
 from winch_controller_node.core.supervision.watch.winch_watch import WinchWatch
 from winch_controller_node.design.design import ControllerDesign
+from winch_controller_node.interface.readings import Measurements, WinchOrder
 from winch_controller_node.model.estimator import KalmanEstimator
 from winch_controller_node.motion.operator_speed import OperatorSpeed
 from winch_controller_node.motion.programme import Programme
@@ -55,10 +59,9 @@ class ControllerParts:
         self._dt = tick_period
         self._in_force = DesignInForce(parameters, tick_period=tick_period)
         design, law = self._in_force.design, self._in_force.law
-        self._estimation = LoopEstimation(design)
-        tick = self._estimation.core_tick
-        sensed = Sensed(self._estimation.observer.addresses, tick.address, tick.depths_address)
-        self._supervisor = Supervisor(design, law, sensed)
+        self._control = Control()  # a tick in the core
+        self._estimation = LoopEstimation(design, self._control)
+        self._supervisor = Supervisor(design, law, self._situation)
         self._winch = WinchWatch(design)
         # in front of the winch
         self.envelope = OrderEnvelope(parameters, design.cable, tick_period, f"the law {parameters.law}")
@@ -71,18 +74,54 @@ class ControllerParts:
         self._programme = Programme(parameters.programme)
         self._operator = OperatorSpeed(parameters.operator, tick_period=tick_period)
         self._kpi = KpiWindow(parameters.kpi_window, tick_period=tick_period)
-        self._command = LoopCommand(design, law, Beside(self._estimation.motion, self.envelope, self._kpi, self._load))
-        self._sequence, self._weighed = 0, ((design, math.nan), math.nan)
+        self._command = LoopCommand(design, law, self._kpi, self._control)
+        self._weighed = (design, math.nan), math.nan
         self._beliefs = BeliefsInForce(self._in_force, self._estimation, self._winch)
         self._encoder = EncoderReflex(tick_period)
         self._after_stop = AfterStop(tick_period)
         self.proofs = Proofs(parameters, design.cable, tick_period)  # of raw readings, before the brake opens
+        self._control.take(PROVING, **self.proofs.records)
+        self._control.take(WATCHING, **self._winch.records)
+        self._control.take(SUPERVISING, **self._supervisor.records, **self._estimation.records)
+        acting = {**self.envelope.records, **self._load.records, "motion": self._estimation.motion.record}
+        self._control.take(ACTING, motions=self._estimation.records["tick"]["motions"], **acting)
         self._has_lost_encoder = 0
         self._alarms: list[Alarm] = []
         self._requests: list[str] = []
         self.preview = PreviewWatch(law.preview, tick_period=tick_period)  # whether one is used
         self._previews = False
         self._next_tick = 0
+        self._measurements = Measurements()  # of the last tick
+        self._preview: HeavePreview | None = None  # to be used in it
+        self._given = WinchOrder(0, 0.0, 0.0, True)  # order of the last tick, in the controller's own count
+        self._situated: tuple[LoopTick, WinchSituation] | None = None
+        self._decided: Decision | None = None
+
+    def _situation(self) -> tuple[LoopTick, WinchSituation] | None:
+        """Return what the last tick and the winch in it are, as they were when this was first asked for; None: none."""
+        if self._situated is None and self._next_tick > 0:
+            winch, reason, seen = self._winch, self.envelope.reason, self._supervisor.records["seen"][0]
+            transport = winch.transport()
+            self._situated = (
+                self._estimation.tick,
+                WinchSituation(
+                    fault=winch.fault,
+                    fault_cause=winch.fault_cause(self._measurements.lateness),
+                    envelope="" if reason is None else reason.brief,
+                    mean_payout=float(seen["mean_payout"]),
+                    share=float(seen["share"]),
+                    inhibition=transport.inhibition or self._encoder.inhibition,
+                    is_reversed=self._encoder.is_unresolved,
+                    proof_gate=self.proofs.gate,
+                    cell_jumped=bool(seen["cell_jumped"]),
+                ),
+            )
+        return self._situated
+
+    @property
+    def _share(self) -> float:
+        """Authority that is best with the winch as it is known."""
+        return self._beliefs.beliefs.authority if self.parameters.identifies_winch else 1.0
 
     @property
     def parameters(self) -> WinchControllerParameters:

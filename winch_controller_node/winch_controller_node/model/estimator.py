@@ -120,9 +120,9 @@ class KalmanEstimator:
         return self._filter.x
 
     @property
-    def addresses(self) -> tuple[int, int]:
-        """Addresses of the core's Filter and FilterState."""
-        return self._filter.addresses
+    def kalman(self) -> KalmanFilter:
+        """The filter of the core, another one after each jump."""
+        return self._filter
 
     @property
     def covariance(self) -> Array:

@@ -47,13 +47,13 @@ class MeanMotion:
 
     @property
     def state(self) -> Array:
-        """The mean payout's own motion in the states of the design's model, shape (n,)."""
-        return self._state
+        """The mean payout's own motion in the states of the design's model, shape (n,): a copy."""
+        state: Array = self._states.copy()
+        state.setflags(write=False)
+        return state
 
     @state.setter
     def state(self, state: Array) -> None:
-        self._state = state.copy()
-        self._state.setflags(write=False)
         self._states = self.record["state"][0, : len(state)]
         self._states[:] = state
 
@@ -118,12 +118,10 @@ class MeanMotion:
         if model is not self._model:
             self._model, self._matrices = model, (np.ascontiguousarray(model.A), model.B[:, 0].copy())
             self._of_model = [matrix.ctypes.data for matrix in self._matrices]
-        self.advanced(self._advance(*self._of_model, self._address, len(self._state), command, is_braked))
+        self.advanced(self._advance(*self._of_model, self._address, len(self._states), command, is_braked))
 
     def advanced(self, moved: int) -> None:
         """Take in that the core has advanced it by a tick, and which payouts have `moved`, bits of Moved."""
-        self._state = self._states.copy()
-        self._state.setflags(write=False)
         if not moved:
             return
         if moved & Moved.MEAN_MOVED:

@@ -11,13 +11,12 @@ import numpy as np
 from heave_bringup.closed_loop import LoopParameters
 from heave_core import layout
 from heave_core.filter import LEAST_USED
+from heave_core.law import ACTING
 from heave_core.library import dtype_of
 from heave_node.interface.codes import WinchLimit
 from heave_node.parameters import ParameterError
 from winch_controller_node.core.component import WinchController
-from winch_controller_node.core.envelope import DUTIES
 from winch_controller_node.core.estimation.loop_estimation import NEAR
-from winch_controller_node.core.supervision.modes import Mode
 from winch_controller_node.core.supervision.supervisor import guarded_loop
 from winch_controller_node.core.supervision.watch.winch_watch import tolerated_delay
 from winch_controller_node.interface.sensors import DEPTH_BIAS
@@ -66,7 +65,7 @@ def leave_out_plans(core: WinchController) -> None:
 
 def records_of(core: WinchController) -> dict[str, Any]:
     """Return the arrays and numbers that the image of a controller, `core`, holds, by their names in C++."""
-    acting, supervisor, design = core._command._acting._kept, core._supervisor, core.design
+    acting, supervisor, design = core._control.records(ACTING), core._supervisor, core.design
     model, winch, bias = design.model, core.parameters.winch, design.parameters.sensors.depth.bias_sigma
     parameters = core.parameters
     rest = np.zeros(model.order)
@@ -90,7 +89,6 @@ def records_of(core: WinchController) -> dict[str, Any]:
         "quiet_noise": model.noise_covariance - design.sea_noise,
         "sea_noise": design.sea_noise,
         "rest_state": rest,
-        "duties": np.array([float(DUTIES.get(mode, 1)) for mode in Mode]),
         "near": NEAR,
         "return_speed": RETURN_SPEED,
         "static_tension": core._static_tension(0.0),

@@ -1,19 +1,24 @@
 """What is known of the loop: gates, estimator, sea, the mean payout's own motion, and the uncompensated unit, by ticks.
 
-A tick is one call of the core (`heave_core`, sense.cpp); what is here fills in what was delivered, and says what is new
-in words. The estimator sees the loop without the mean payout's own motion, see `mean_motion`.
+A tick is the sensing half of the core's (`heave_core`, sense.cpp); what is here fills in what was delivered, and says
+what is new in words. The estimator sees the loop without the mean payout's own motion, see `mean_motion`.
 """
 
 from __future__ import annotations
 
 import math
 from collections import deque
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
+import numpy as np
+from heave_core.filter import KalmanFilter
+from heave_core.law import SENSING, Control
 from heave_core.library import library
 from heave_core.look import Look, padded
-from heave_core.sense_table import News
+from heave_core.sense_table import OBSERVED, News
+from heave_node.interface.codes import WinchFault
 from heave_node.numerics.arrays import Array
 
 from winch_controller_node.beliefs.beliefs import LATENCY, Adopted, EncoderScale
@@ -26,7 +31,7 @@ from winch_controller_node.core.estimation.second_filter import SecondFilter
 from winch_controller_node.core.estimation.sense_design import ENCODER_ROW, ROWS
 from winch_controller_node.design.design import ControllerDesign
 from winch_controller_node.design.seas import SeaTracker
-from winch_controller_node.interface.readings import Measurements, WinchReading
+from winch_controller_node.interface.readings import Measurements, WinchOrder, WinchReading
 from winch_controller_node.interface.sensors import DEPTH_BIAS, LEVER_ARM_X, LEVER_ARM_Y
 from winch_controller_node.model.estimator import NO_REGRESSORS, Measurement, RecordedTick, begin_anew
 from winch_controller_node.model.models import loop_rows
@@ -44,13 +49,14 @@ NEAR = 0.1
 """A drum that stands so near to a payout of 0 at first [m] returns to it, as it does after a stop."""
 
 
+NO_READINGS = np.zeros((0, len(OBSERVED.rows)))
+"""Of a tick in which none was observed."""
+
 NOTHING: dict[str, str] = {}
 """No sensor is lost."""
 
-PLACES = tuple(
-    FIELDS.index(name) for name in ("news", "lost_sensors", "depth_count", "observed_count", "disagree_time")
-)
-"""Places in a tick of what is looked at in each."""
+PLACES = tuple(FIELDS.index(name) for name in ("number", "lost_sensors", "depth_count", "disagree_time"))
+"""Places in a tick of what is made words of."""
 
 
 def look_design(design: ControllerDesign) -> dict[str, Any]:
@@ -81,10 +87,13 @@ def look_design(design: ControllerDesign) -> dict[str, Any]:
 class LoopEstimation:
     """Estimate of the loop, and of what the unit would do with the winch locked.
 
-    `design` : model, measurements and noise
+    Parameters
+    ----------
+    design : model, measurements and noise
+    control : of the tick
     """
 
-    def __init__(self, design: ControllerDesign) -> None:
+    def __init__(self, design: ControllerDesign, control: Control) -> None:
         parameters, dt = design.parameters, design.tick_period
         # mean payout and what it brings about
         self.motion = MeanMotion(parameters.move, design.model.order, tick_period=dt)
@@ -92,6 +101,8 @@ class LoopEstimation:
         self.observer = Observer(design, self.estimator)  # the gates in front of it
         self._look = Look(look_design(design))
         self._has_begun, self._first_payout = False, math.nan
+        self.observed = NO_READINGS  # in the last tick, by rows of OBSERVED
+        self.uses_count = True  # what the winch reports may be used in this tick
         self._sea = SeaTracker(design, self.observer.state["sea"])
         self.log = ObservationLog(dt)  # of what is observed, for the adviser
         # filter that explains the readings by nominal values alone; None: the active one does
@@ -100,7 +111,15 @@ class LoopEstimation:
         # None: the two agree
         self.by_count: SecondFilter | None = None
         self._recent: deque[tuple[int, float, Array]] = deque(maxlen=2 * round(LATENCY / dt))
-        self._core = CoreTick()
+        self._core, self._now = CoreTick(control), (0, CommandShares())
+        self._is_noted = True
+        self._made: LoopTick | None = None
+        self._bound: KalmanFilter | None = None
+        look = self._look
+        control.take(SENSING, look=look.design, look_state=look.state)
+        # of the core, by the names that supervision has for them
+        self.records = {"sense": self.observer.design, "sense_state": self.observer.state, "tick": self._core.memory}
+        control.take(SENSING, **self.records)
         self._refer_to(design)
 
     def _refer_to(self, design: ControllerDesign) -> None:
@@ -110,11 +129,6 @@ class LoopEstimation:
         self._rows = loop_rows(design.model)
         self._look.take_design(look_design(design))
         self._sea.refer_to(design)
-
-    @property
-    def core_tick(self) -> CoreTick:
-        """Where the core has the tick."""
-        return self._core
 
     # another design
 
@@ -207,7 +221,7 @@ class LoopEstimation:
         total = self.motion.state + self.estimator.estimate
         stands = assumed.position_gain * float(self._rows.payout @ total)
         speed = nominal.speed_of(assumed.set_point_of(command.total - stands))
-        second.step(self._core, number, speed + stands - command.mean)
+        second.step(self._core, number, speed + stands - command.mean, self.motion.address)
 
     def set_encoder_aside(self, payout: float, tick: int) -> None:
         """Go on after `tick` without the encoder, the drum being at a `payout` [m]."""
@@ -272,55 +286,88 @@ class LoopEstimation:
 
     # a tick
 
-    def step(self, number: int, measurements: Measurements, command: CommandShares, *, unit_stands: bool) -> LoopTick:
-        """Gate, take the mean payout's share off, estimate.
+    def deliver(self, number: int, measurements: Measurements, command: CommandShares) -> int:
+        """Fill in what came at a tick; return how many readings that are.
 
         Parameters
         ----------
         number : of the tick
         measurements : delivered at it
         command : of the last tick
-        unit_stands : the unit stands on the seabed: what rides on it says nothing of a hanging one
         """
-        is_known = self._has_begun or self._begin(measurements.winch)
-        observer, estimator, core = self.observer, self.estimator, self._core
-        row = core.step(
-            number,
-            measurements,
-            measurements.winch if is_known else None,
-            command,
-            unit_stands=unit_stands,
-            sense=observer.addresses,
-            filtered=estimator.addresses,
-            look=self._look.addresses,
-            motion=self.motion.address,
-        )
-        news, lost, depths, observed_count, disagrees = (int(row[place]) for place in PLACES)
-        observed = core.observed[:observed_count].copy()
-        self._recent.append((number, command.compensating, observed))
+        self._now, self._is_noted, self._made = (number, command), False, None
+        self.uses_count = self._has_begun or self._begin(measurements.winch)
+        self._bind()
+        return self._core.deliver(measurements)
+
+    def _bind(self) -> None:
+        """Have the tick work on the filter as it is now."""
+        kalman = self.estimator.kalman
+        if kalman is not self._bound:
+            self._bound = kalman
+            self._core.control.take(SENSING, filter=kalman.design, filter_state=kalman.state)
+
+    @property
+    def waits(self) -> bool:
+        """Tell whether a filter beside is to take the tick in before it goes on."""
+        return self.second is not None or self.by_count is not None
+
+    def note(self, observed: int, news: int) -> None:
+        """Note the tick, once it has been sensed: so many readings `observed`, and bits of `news` of the sensors."""
+        if self._is_noted:
+            return
+        self._is_noted, (number, command) = True, self._now
+        self.observed = self._core.observed[:observed].copy()
+        self._recent.append((number, command.compensating, self.observed))
         if self.second is not None:
             self._step_second(self.second, number, command)
         if self.by_count is not None:
-            self.by_count.step(core, number, command.compensating)
+            self.by_count.step(self._core, number, command.compensating, self.motion.address)
         if news & News.SEA_CHANGED:
-            for one in (estimator, self.by_count):
+            for one in (self.estimator, self.by_count):
                 if one is not None:
                     one.set_process_noise(self._sea.noise)
-        return LoopTick._make(
+
+    def note_for_adviser(self, given: WinchOrder, winch: WinchReading | None, noted: Sequence[float]) -> None:
+        """Note the tick for the adviser.
+
+        Parameters
+        ----------
+        given : order of the tick before
+        winch : the winch's own report; None: nothing came
+        noted : authority, whether the mode is compensating, and the numbers of CONTROLLED from `compensating` on
+        """
+        authority, compensates, compensating, as_read, tension, *moving = noted
+        sequence, payout, rate, brake, _ = given
+        taken, limits = math.nan, 0
+        if winch is not None:
+            taken, limits = winch.command_sequence, winch.limits_hit
+            brake = brake or winch.brake or winch.fault != WinchFault.NONE
+        ordered = compensating, payout, rate, sequence, brake, as_read, taken, limits
+        self.log.add(self._now[0], (*ordered, tension, authority, compensates, *moving), self.observed)
+
+    @property
+    def tick(self) -> LoopTick:
+        """The tick, once it has been sensed; what has not changed since it was last asked for is not made again."""
+        if self._made is not None:
+            return self._made
+        core, observer, row = self._core, self.observer, self._core.tick.tolist()
+        number, lost, depths, disagrees = (int(row[place]) for place in PLACES)
+        self._made = LoopTick._make(
             (
                 number,  # a count, as messages need it
                 *row[1:],
                 self._rows,
-                estimator.estimate,
+                self.estimator.estimate,
                 self.motion.state,
-                core.said[: len(estimator.measurements)].copy(),
+                core.said[: len(self.estimator.measurements)].copy(),
                 observer.lost() if lost or observer.is_aside else NOTHING,
                 tuple(map(tuple, core.depths[:depths].tolist())) if depths else (),
-                observed,
+                self.observed,
                 observer.inconsistency if disagrees else "",
-                observer.alarms(news) if news else (),
             )
         )
+        return self._made
 
     def _begin(self, winch: WinchReading | None) -> bool:
         """Take the payout at which the drum stands when the encoder is first read for the mean one.
@@ -328,7 +375,7 @@ class LoopEstimation:
         Drum and unit may hang anywhere: cable has been paid out by hand, or a controller is restarted. A payout
         that is not near 0 must be read twice. Returns whether what the `winch` reports may be used.
         """
-        if self._has_begun or winch is None or not math.isfinite(winch.encoder_payout):
+        if winch is None or not math.isfinite(winch.encoder_payout):
             return True
         before, payout = self._first_payout, winch.encoder_payout
         self._first_payout = payout
@@ -345,17 +392,15 @@ class LoopEstimation:
 
     # going on from another place
 
-    def refreshed(self, tick: LoopTick) -> LoopTick:
-        """Return the tick after the loop has been moved to another state."""
-        estimate, mean_state = self.estimator.estimate, self.motion.state
-        self._look.inputs[0] = (tick.compensating, tick.mean, tick.knows_tip, 0.0)
-        return tick._replace(
-            estimate=estimate,
-            mean_state=mean_state,
-            mean_command=self.motion.reference_command(self._design.parameters.winch),
-            left_over=self.motion.left_over.point.payout,
-            **self._look.again(estimate, mean_state)._asdict(),
-        )
+    def refresh(self) -> None:
+        """Have the motions of the tick as they are after the loop has been moved to another state."""
+        self._bind()
+        row, now = self._core.record, self.tick
+        row["mean_command"] = self.motion.reference_command(self._design.parameters.winch)
+        row["left_over"] = self.motion.left_over.point.payout
+        self._look.inputs[0] = (now.compensating, now.mean, now.knows_tip, 0.0)
+        row["motions"] = tuple(self._look.again(self.estimator.estimate, self.motion.state))
+        self._made = None
 
     def return_to_mean(self, tick: LoopTick) -> None:
         """Count the payout that is out at `tick` as left over: it goes away slowly.

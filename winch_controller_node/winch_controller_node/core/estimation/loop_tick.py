@@ -12,10 +12,7 @@ from heave_core.sense_table import TICK
 FIELDS = (*(row.name for row in TICK.rows if row.kind is not MOTIONS), *(row.name for row in MOTIONS.rows))
 """Numbers of a tick, with their meanings and units in the tables TICK and MOTIONS of the core."""
 
-MOTIONS_IN_TICK = slice(len(FIELDS) - len(MOTIONS.rows), len(FIELDS))
-"""Places of the motions among them."""
-
-MORE = ("rows", "estimate", "mean_state", "said", "lost", "depths", "observed", "inconsistency", "faults")
+MORE = ("rows", "estimate", "mean_state", "said", "lost", "depths", "observed", "inconsistency")
 """What a tick has beside them, see `LoopTick`."""
 
 
@@ -72,7 +69,6 @@ else:
         depths : depth readings of the tick: stamp [s] and depth, positive down [m]
         observed : readings of the tick, by the columns of the core's Observed
         inconsistency : why the readings are not consistent yet; empty where they are
-        faults : alarms of sensors that have become worse in this tick
 
         By linearity the loop's motion is the sum of what the mean payout brings about, which is known exactly, and of
         the rest, which is estimated.

@@ -2,17 +2,11 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
-from heave_node.interface.codes import WinchFault
 from heave_node.numerics.arrays import Array
 
-from winch_controller_node.core.estimation.loop_tick import LoopTick
-from winch_controller_node.core.estimation.observation import Observer
 from winch_controller_node.core.estimation.sense_design import ROWS
 from winch_controller_node.interface.observations import BATCH, READING_COLUMNS, TICK_COLUMNS, Observations
-from winch_controller_node.interface.readings import WinchOrder, WinchReading
 
 
 class ObservationLog:
@@ -35,54 +29,23 @@ class ObservationLog:
         self._is_broken = True
         self._ticks, self._readings = [], []
 
-    def add(
-        self,
-        loop: LoopTick,
-        observer: Observer,
-        order: WinchOrder | None,
-        winch: WinchReading | None,
-        *,
-        authority: float,
-        compensates: bool,
-    ) -> None:
-        """Take a tick in.
-
-        Parameters
-        ----------
-        loop : what is known of it; its command is that of the tick before
-        observer : with the readings of the tick
-        order : of the tick before; None: none yet
-        winch : the winch's own report at the tick; None: nothing came
-        authority : authority of compensation
-        compensates : the mode is compensating
-        """
+    def add(self, number: int, row: tuple[float, ...], readings: Array) -> None:
+        """Take a tick in: its `number`, its `row` by TICK_COLUMNS, and its `readings`, by rows of OBSERVED."""
         if not self._ticks:
-            self._first = int(loop.number)
+            self._first = number
             self.epoch, self._is_broken = (self._first if self._is_broken else self.epoch), False
-        sequence, payout, rate, brake, _ = WinchOrder(0, 0.0, 0.0, True) if order is None else order
-        brake = brake or (winch is not None and (winch.brake or winch.fault != WinchFault.NONE))
-        encoder = math.nan if math.isnan(loop.encoder_payout) else observer.encoder.as_read
-        taken, limits = (math.nan, 0) if winch is None else (winch.command_sequence, winch.limits_hit)
-        self._ticks.append(
-            (
-                *(loop.compensating, payout, rate, sequence, brake, encoder, taken, limits),
-                *(
-                    loop.tension,
-                    authority,
-                    compensates,
-                    loop.tip,
-                    loop.tip_rate,
-                    loop.estimate[loop.rows.unit_states[1]],
-                    loop.missing_push,
-                ),
-            )
-        )
-        self._readings.append(loop.observed[:, : len(READING_COLUMNS)])
+        self._ticks.append(row)
+        self._readings.append(readings[:, : len(READING_COLUMNS)])
+
+    @property
+    def is_complete(self) -> bool:
+        """Tell whether a batch is."""
+        return len(self._ticks) >= self._batch
 
     def batch(
         self, beliefs: int, *, excluded: str, is_trusted: bool, restated: tuple[tuple[str, float], ...] = ()
-    ) -> Observations | None:
-        """Return the batch that is complete, once; None: it is not.
+    ) -> Observations:
+        """Return the batch that is complete, once.
 
         Parameters
         ----------
@@ -91,8 +54,6 @@ class ObservationLog:
         is_trusted : depth sensor and estimate agree
         restated : parameters that an operator has restated
         """
-        if len(self._ticks) < self._batch:
-            return None
         ticks = np.array(self._ticks, dtype=float).reshape(-1, len(TICK_COLUMNS))
         readings = np.concatenate(self._readings)
         self._ticks, self._readings = [], []

@@ -50,6 +50,10 @@ class PreviewWatch:
             return "not used: only law mpc with mpc.preview_time above 0 uses one"
         return f"not used: {self.fault}" if self.fault else "used"
 
+    def is_wanted(self, delivered: HeavePreview | None) -> bool:
+        """Tell whether a tick has to do with a preview: one was `delivered`, or the law uses one that came before."""
+        return delivered is not None or (self._newest is not None and self._use is not None)
+
     def step(self, now: int, delivered: HeavePreview | None, boom_tip: float | None) -> HeavePreview | None:
         """Return the preview to be used at a tick, seen from it; None: none.
 

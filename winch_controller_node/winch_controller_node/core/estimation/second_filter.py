@@ -113,10 +113,18 @@ class SecondFilter:
         fill(self._record[0], second_design(self._estimator, by_count=by_count))
         self._step, self._address = library().heave_core_second, self._record.ctypes.data
 
-    def step(self, core: CoreTick, number: int, command: float) -> None:
-        """Take in the tick `number` that the `core` has just made, under a `command` in the terms of its model."""
+    def step(self, core: CoreTick, number: int, command: float, motion: int) -> None:
+        """Take in a tick that has just been sensed.
+
+        Parameters
+        ----------
+        core : that has it
+        number : of it
+        command : in the terms of this filter's model
+        motion : address of the mean payout's
+        """
         elapsed = number - self._settled
-        self._step(*core.beside(*self._estimator.addresses), command, elapsed > 0, self._address)
+        self._step(*core.beside(*self._estimator.kalman.addresses, motion), command, elapsed > 0, self._address)
         if elapsed <= 0 or elapsed % self._block:
             return
         sums = self._record[0]

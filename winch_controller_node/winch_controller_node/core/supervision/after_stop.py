@@ -16,7 +16,7 @@ from typing import NamedTuple
 from heave_node.interface.alarm import Alarm
 
 from winch_controller_node.core.estimation.loop_tick import LoopTick, free_swing
-from winch_controller_node.core.supervision.modes import BRAKED, MOVING, Mode, ModeOutput
+from winch_controller_node.core.supervision.modes import BRAKED, MOVING, Mode
 from winch_controller_node.interface.alarms import ALARMS
 from winch_controller_node.model.blocks import CableModel
 
@@ -55,22 +55,21 @@ class AfterStop:
         self._dt = tick_period
         self._left = -1.0
 
-    def step(self, tick: LoopTick, mode: ModeOutput, cable: CableModel, *, hangs: bool) -> tuple[Alarm, ...]:
-        """Take in a tick; return that the load swings, once the drum stands.
-
-        Parameters
-        ----------
-        tick : what is known of the loop
-        mode : of the tick
-        cable : active two-state cable
-        hangs : the unit hangs, as far as is known
-        """
-        if mode.mode not in BRAKED or mode.mode is Mode.OFF:
+    def is_due(self, mode: Mode, before: Mode | None = None) -> bool:
+        """Take in the `mode` of a tick, and the one `before` where it has changed; tell whether the drum stands now."""
+        if mode not in BRAKED or mode is Mode.OFF:
             self._left = -1.0
-        elif mode.before in MOVING:
+        elif before in MOVING:
             self._left = COME_TO_REST
-        before, self._left = self._left, self._left - self._dt
-        if not before > 0.0 >= self._left or not (hangs and tick.knows_tip):
+        left, self._left = self._left, self._left - self._dt
+        return left > 0.0 >= self._left
+
+    def alarms(self, tick: LoopTick, cable: CableModel, *, hangs: bool) -> tuple[Alarm, ...]:
+        """Return that the load swings, at a `tick` in which this is due.
+
+        `cable` is the active two-state cable; `hangs` : the unit hangs, as far as is known
+        """
+        if not (hangs and tick.knows_tip):
             return ()
         swing = free_swing(tick.offset, tick.offset_rate, cable.natural_a)
         locked = free_swing(tick.free, tick.free_rate, cable.natural_a)

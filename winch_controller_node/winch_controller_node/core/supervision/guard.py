@@ -87,7 +87,6 @@ class HarmGuard:
         self._state, self._found = self.core.attempts[0], self.core.found[0]
         self._alarm: Alarm | None = None
         self._certain: Alarm | None = None
-        self._time = 0.0
         self.reset_sea()
 
     def reset_sea(self) -> None:
@@ -178,29 +177,25 @@ class HarmGuard:
         """Do not hold against the loop how drum and unit moved while a sensor was lost."""
         self.core.allow_resumption()
 
-    def allow_correction(self, belief: str) -> None:
+    def allow_correction(self, belief: str, time: float) -> None:
         """Do not hold against the loop what a wrong belief has done: it has just been corrected.
 
         What is corrected again and again is not known, and the loop is judged by what it does.
 
-        `belief` : what it is about, as "winch"
+        `belief` : what it is about, as "winch"; `time` : of the last tick [s]
         """
         reasons = int(self._state["begun"])
         self.core.explain()
         if self._state["begun"] != reasons:
             self._alarm = ALARMS.alarm("DEPTH_MRU_EXPLAINED", part=belief)
-        since = self._time - self._corrected_first.get(belief, -math.inf)
+        since = time - self._corrected_first.get(belief, -math.inf)
         if since > CORRECTIONS_REST:
-            self._corrected_first[belief] = self._time
+            self._corrected_first[belief] = time
         elif since > CORRECTIONS_TIME:
             return
         self.allow_resumption()
         self._state["distrusts"] = 0
         self.reset_mismatch()
-
-    def begin_tick(self, time: float) -> None:
-        """Go on at a `time` [s]."""
-        self._time = time
 
     def note_certain(self, reason: Alarm) -> None:
         """Note the `reason` for which compensation must be off in this tick, and that no attempt has brought about."""

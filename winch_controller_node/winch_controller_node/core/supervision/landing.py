@@ -59,9 +59,9 @@ class LandingEvent(Enum):
 EVENTS = {Landed.TOUCHDOWN: LandingEvent.TOUCHDOWN, Landed.LIFTED_OFF: LandingEvent.LIFTED_OFF}
 """By what the core has found."""
 
-STANDS, MAY_STAND, WEIGHED, UNLOADED, LIFTING, SHARE, EVENT = (
+STANDS, WEIGHED, UNLOADED, LIFTING, SHARE, EVENT = (
     [row.name for row in LANDING_STATE.rows].index(name)
-    for name in ("unit_stands", "may_stand", "is_weighed", "is_unloaded", "is_lifting", "share", "event")
+    for name in ("unit_stands", "is_weighed", "is_unloaded", "is_lifting", "share", "event")
 )
 """Places in the core's state."""
 
@@ -136,11 +136,6 @@ class Landing:
     def is_weighed(self) -> bool:
         """Tell whether there is a load cell to go by."""
         return bool(self._flags[WEIGHED])
-
-    @property
-    def shows_hanging(self) -> bool:
-        """Tell whether what rides on the unit says something of a hanging one."""
-        return self.hangs and not (self._flags[MAY_STAND] and not self._flags[WEIGHED])
 
     @property
     def event(self) -> Landed:

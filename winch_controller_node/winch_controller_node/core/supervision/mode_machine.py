@@ -50,6 +50,7 @@ class ModeMachine:
     Parameters
     ----------
     parameters : times and rates
+    look : returns what the last tick is, in words
     moves_winch : False: the law never moves the winch, and mode off is never left
     factor : largest authority; may be set to another one, to which authority goes over the fade-in time
     tick_period : [s]
@@ -60,14 +61,22 @@ class ModeMachine:
     mode : after the last step or request
     """
 
-    def __init__(self, parameters: ModeParameters, *, moves_winch: bool, factor: float, tick_period: float) -> None:
+    def __init__(
+        self,
+        parameters: ModeParameters,
+        look: Callable[[], Situation] = Situation,
+        *,
+        moves_winch: bool,
+        factor: float,
+        tick_period: float,
+    ) -> None:
         self._parameters = parameters
         self.design, self.state, self.situation = new(MODE_DESIGN), new(MODE_STATE), new(SITUATION)
         fill(self.design[0], mode_design(parameters, tick_period))
         self.mode = Mode.STANDBY if moves_winch else Mode.OFF
         self._entered = SETTLED_ESTIMATE.name if moves_winch else "law off"
         self._has_entered = True
-        self._look: Callable[[], Situation] = Situation
+        self._look = look
         number = MODES.index(self.mode)
         times = dict.fromkeys(("time", "well_time", "lost_time", "coasted", "authority", "losses"), 0.0)
         memory = {"wants": parameters.start == "compensating", "may_resume": True, "rest": ModeNumber.IN_STANDBY}
@@ -177,24 +186,29 @@ class ModeMachine:
             self._enter(Event.LIFTED_OFF)
         self._row["before"] = self._row["mode"]
 
-    def follow(self, event: int, before: int, look: Callable[[], Situation]) -> ModeOutput:
+    @property
+    def output(self) -> ModeOutput:
+        """What is to be done in a tick that has not changed the mode."""
+        return ModeOutput(self.mode, "", self.authority, self.brake)
+
+    def go_on(self) -> None:
+        """Take that the core has made a step without an event."""
+        self._has_entered = False
+
+    def follow(self, event: int, before: int) -> ModeOutput:
         """Take that the core has made a step; return what is to be done.
 
         Parameters
         ----------
         event : number of that which it has taken; -1: none
         before : number of the mode of the step before
-        look : returns what the tick is, in words
         """
-        self._look = look
         if event >= 0:
             self._enter(EVENTS[event])
         else:
-            self._has_entered = False
+            self.go_on()
         last = MODES[before]
-        if last is self.mode:
-            return ModeOutput(self.mode, "", self.authority, self.brake)
-        return ModeOutput(self.mode, self.reason, self.authority, self.brake, last)
+        return self.output if last is self.mode else self.output._replace(reason=self.reason, before=last)
 
     def _enter(self, event: Event) -> None:
         """Take the mode of the core, which an `event` may have changed, with its reason."""

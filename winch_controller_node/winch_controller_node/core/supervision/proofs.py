@@ -12,20 +12,18 @@ What the drum makes of its orders, and whether the load cell shows harm later, i
 
 from __future__ import annotations
 
-import math
 from enum import Enum
 from typing import NamedTuple
 
 import numpy as np
 from heave_core.library import fill, library, new
-from heave_core.proof_table import PROOF_DESIGN, PROOF_SEEN, PROOF_STATE, PROOF_WORK, ProofNews
+from heave_core.proof_table import PROOF_DESIGN, PROOF_STATE, PROOF_WORK, ProofNews
 from heave_node.interface.alarm import Alarm
 from heave_node.interface.codes import WinchFault
 
-from winch_controller_node.core.estimation.core_tick import rows_of
 from winch_controller_node.core.supervision.proof_design import COUNT_TIME, FALL_TIME, cable_at, proof_design
 from winch_controller_node.interface.alarms import ALARMS
-from winch_controller_node.interface.readings import Measurements, WinchOrder, WinchReading
+from winch_controller_node.interface.readings import WinchReading
 from winch_controller_node.model.blocks import CableModel
 from winch_controller_node.node_parameters import WinchControllerParameters
 
@@ -59,23 +57,6 @@ class Fit(NamedTuple):
     certainty: float  # slope over its standard error, which allows for the correlation in time of the residual [-]
 
 
-class Driven(NamedTuple):
-    """What the winch is used for in a tick."""
-
-    waits: bool  # compensation is to begin
-    hangs: bool  # the unit hangs, as far as is known
-    taken_over: str = ""  # name of the alarm for which the envelope has taken over; empty: it has not
-    latest: float = math.inf  # stamp up to which a reading can be [s]
-    has_mru: bool = True  # it is neither lost nor excluded
-
-
-class Proven(NamedTuple):
-    """What follows from the proofs of a tick."""
-
-    gate: str = ""  # why compensation may not begin, in words; empty where it may
-    alarms: tuple[Alarm, ...] = ()  # what is new
-
-
 class Proofs:
     """All proofs of a controller.
 
@@ -88,21 +69,17 @@ class Proofs:
     Attributes
     ----------
     design, state : structured arrays of one element, on the memory that C++ reads and writes
+    records : the same and what C++ works with, by the names of PROVING in `heave_core.law`
     """
 
     def __init__(self, parameters: WinchControllerParameters, cable: CableModel, tick_period: float) -> None:
         self._dt = tick_period
         self.design, self.state = new(PROOF_DESIGN), new(PROOF_STATE)
-        self._work, self._seen = new(PROOF_WORK), np.zeros(len(PROOF_SEEN.rows))
+        self.records = {"proofs": self.design, "proof_state": self.state, "proof_work": new(PROOF_WORK)}
         self._flags = self.state.view(np.int32)[:8]
         self._row, core = self.state[0], library()
-        self._begin, self._prove, self._ask = (
-            core.heave_core_proofs_begin,
-            core.heave_core_prove,
-            core.heave_core_proofs_ask,
-        )
-        self._at = [one.ctypes.data for one in (self.design, self._seen, self.state, self._work)]
-        self._sent: WinchOrder | None = None
+        self._begin, self._ask = core.heave_core_proofs_begin, core.heave_core_proofs_ask
+        self._at = [one.ctypes.data for one in (self.design, self.state)]
         self._said = self._falling = ""
         self.take_nominal(parameters, cable)
 
@@ -110,7 +87,7 @@ class Proofs:
         """Prove by other nominal `parameters` and `cable` from now on."""
         self._cable, self._length = cable, parameters.length
         self._hang_on(cable, parameters.length)
-        self._begin(self._at[0], self._at[2])
+        self._begin(*self._at)
         self._row["consent"] = parameters.entry.accept_unproved
 
     def _hang_on(self, cable: CableModel, length: float) -> None:
@@ -141,7 +118,7 @@ class Proofs:
 
     def ask(self, *, consent: bool) -> None:
         """Take that an operator asks for a mode, with or without `consent` to begin without a cross-check."""
-        self._ask(self._at[2], consent)
+        self._ask(self._at[1], consent)
         self._falling = ""
 
     def left_of(self, obstacle: str) -> str:
@@ -149,40 +126,14 @@ class Proofs:
         is_mine = obstacle and obstacle == self._said
         return ("" if self.standing is Standing.OPEN else self._gate()) if is_mine else obstacle
 
-    def note(self, sent: WinchOrder) -> None:
-        """Note the order that was `sent` in this tick."""
-        self._sent = sent
-
-    def step(self, measurements: Measurements, driven: Driven, delivered: tuple[int, int] | None = None) -> Proven:
-        """Take in a tick.
-
-        Parameters
-        ----------
-        measurements : as delivered
-        driven : what the winch is used for
-        delivered : where the core has them already, and how many they are; None: it has not
-        """
-        winch, rows = measurements.winch, None
-        if delivered is None:
-            rows = np.array(rows_of(measurements), dtype=float)
-            delivered = rows.ctypes.data, len(rows)
-        of_winch = (0.0, 0.0, 0.0, 0.0)
-        if winch is not None:
-            of_winch = (1.0, winch.time, winch.encoder_payout, winch.encoder_payout_rate)
-        is_braked = self._sent is None or self._sent.brake
-        runs, has_swung = driven.taken_over == "DRUM_NOT_HELD: count", driven.taken_over == "LOAD_SWUNG_HIGHER"
-        self._seen[:] = (
-            *(driven.latest, *of_winch, is_braked),
-            *(driven.waits, driven.hangs, driven.has_mru, runs, has_swung),
-        )
-        design, seen, state, work = self._at
-        news: int = self._prove(design, seen, *delivered, state, work)
-        alarms = self._alarms(news, winch) if news else ()
+    @property
+    def gate(self) -> str:
+        """Why compensation may not begin by the proofs of the last tick, in words; empty where it may."""
         self._said = self._falling or self._gate()
-        return Proven(self._said, alarms)
+        return self._said
 
-    def _alarms(self, news: int, winch: WinchReading | None) -> tuple[Alarm, ...]:
-        """Return the alarms of what is new, with the report of the `winch`."""
+    def alarms(self, news: int, winch: WinchReading | None) -> tuple[Alarm, ...]:
+        """Return the alarms of what is new, bits of `news`, with the report of the `winch`."""
         row, found = self._row, []
         if news & ProofNews.LOAD_FALLS:
             fall = float(row["fall"])

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from heave_core.envelope_table import Duty
 from heave_core.modes_table import UNIT_PAST
 from heave_node.interface.codes import WinchFault
 from heave_node.winch.fault_latch import is_automatic
@@ -49,6 +50,15 @@ TENSION_PEAK = 2.7
 TENSION_LEFT = 0.1
 """Share of a locked winch's tension that is left where the winch follows the whole sea: the cable has inertia too."""
 
+DUTIES = {
+    Mode.COMPENSATING: Duty.FOLLOW,
+    Mode.CONSTANT_TENSION: Duty.TENSION,
+    Mode.FADE_OUT: Duty.FADE,
+    Mode.STOPPING: Duty.STOP,
+    Mode.EMERGENCY_STOP: Duty.STOP,
+}
+"""What a mode is there for; in all others the drum does what an operator asks for."""
+
 CONSTANTS = {
     "cautious": CAUTIOUS,
     "quiet_time": QUIET_TIME,
@@ -70,6 +80,7 @@ CONSTANTS = {
     "blind_limit": BLIND_LIMIT,
     "held_time": 5.0,
     "reported_again": 60.0,
+    "grown": 1.5,  # a sea that rises
     "link_wait": WAIT,
 }
 """Constants of supervision: meanings and units are in the core's table, SUPERVISION_DESIGN."""
@@ -96,6 +107,7 @@ def supervision_design(design: ControllerDesign, load: HangingLoad) -> dict[str,
         "tick_period": dt,
         "past": past,
         "required": tuple(sum(1 << SENSOR[name] for name in required_sensors(mode)) for mode in MODES),
+        "duties": tuple(float(DUTIES.get(mode, Duty.OPERATE)) for mode in MODES),
         "command_timeout": WinchFault.COMMAND_TIMEOUT,
         "emergency_stop": WinchFault.EMERGENCY_STOP,
         "automatic": sum(1 << fault for fault in WinchFault if is_automatic(fault)),

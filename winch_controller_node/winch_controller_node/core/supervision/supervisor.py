@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -19,7 +18,6 @@ from winch_controller_node.core.supervision.guard_checks import PEAK, GuardedLoo
 from winch_controller_node.core.supervision.landing import EVENTS, HangingLoad, Landing, LandingEvent
 from winch_controller_node.core.supervision.mode_machine import ModeMachine
 from winch_controller_node.core.supervision.modes import BRAKED, Mode, ModeOutput, Situation
-from winch_controller_node.core.supervision.proofs import Proven
 from winch_controller_node.core.supervision.supervision_design import (
     PEAK_OVER_SIGNIFICANT,
     required_sensors,
@@ -37,29 +35,28 @@ SEA_UNKNOWN = "boom-tip motion does not match the assumed sea"
 GAIN_UNKNOWN = "gain of the winch or scale of the encoder is not known"
 """What keeps authority low before the guard sees errors of it."""
 
-GROWN = 1.5
-"""Peaks of the sea are reported again once they are so many times the last ones: a sea that rises."""
+BEFORE, EVENT, AUTHORITY, IS_INHIBITED, IS_DAMPED, HAPPENED = (
+    [row.name for row in SUPERVISED.rows].index(name)
+    for name in ("before", "event", "authority", "is_inhibited", "is_damped", "happened")
+)
+"""Places in what is decided."""
 
 ASK_AGAIN = "check the cause, then request compensation"
 """Ends the reason of an inhibition that only an operator can end."""
 
 
 class WinchSituation(NamedTuple):
-    """Inputs of supervision about the winch and its commands."""
+    """What is known of the winch and its commands in a tick, for words."""
 
     fault: int  # the winch's own, 0 without
-    speed: float  # as commanded [m/s], absolute
     mean_payout: float  # that the winch goes to [m]
-    settled_swing: float  # swing of the unit at which a fade-out may end [m]
     share: float = 1.0  # authority that is best with the winch as it is known, above 0 [-]
-    drum_error: float = 0.0  # drum less what was predicted of it a second ago [m]
     inhibition: Alarm | None = None  # why compensation must be off; None: it need not
     fault_cause: str = ""  # why the winch has its fault, in words; empty: unknown
     # drum or encoder are reversed: the winch is brought to rest until an operator releases it
     is_reversed: bool = False
-    mean_acceleration: float = 0.0  # with which the winch goes there [m/s^2]
     envelope: str = ""  # why the envelope has taken over, in words; empty: it has not
-    proven: Proven = Proven()  # what follows from the proofs
+    proof_gate: str = ""  # why compensation may not begin by the proofs, in words; empty where it may
     cell_jumped: bool = False  # the load cell is off by a jump that no operator knows of
 
 
@@ -69,20 +66,8 @@ class Decision(NamedTuple):
     mode: ModeOutput  # with authority and brake
     is_inhibited: bool  # the guard keeps compensation off
     is_damped: bool  # the unit is damped while compensation fades out
-    trusts_estimate: bool  # the depth sensor agrees with the estimate
-    fades_by_law: bool  # an operator has asked for a fade-out, and all is well: the law itself lets the unit go
-    unit_stands: bool  # on the bottom
-    bounds_tension: bool  # the highest tension is one that compensation can keep in this sea
-    landing: LandingEvent | None  # what has just happened to the unit; None: nothing
-    alarms: tuple[Alarm, ...]  # raised in this tick
-
-
-class Sensed(NamedTuple):
-    """Where the core has what was sensed."""
-
-    sense: tuple[int, int]  # addresses of its design and state
-    tick: int  # address of the tick
-    depths: Callable[[], int]  # returns the address of the depths read in it
+    landing: LandingEvent | None = None  # what has just happened to the unit; None: nothing
+    alarms: tuple[Alarm, ...] = ()  # raised in this tick
 
 
 class Supervisor:
@@ -91,30 +76,43 @@ class Supervisor:
     Parameters
     ----------
     design : the active one; law : of it
-    sensed : where the core has what was sensed
+    look : returns what the last tick and the winch are, for words; None: there was no tick yet
+
+    Attributes
+    ----------
+    records : arrays by the names of SUPERVISING in `heave_core.law`
     """
 
-    def __init__(self, design: ControllerDesign, law: ControlLaw, sensed: Sensed) -> None:
+    def __init__(
+        self,
+        design: ControllerDesign,
+        law: ControlLaw,
+        look: Callable[[], tuple[LoopTick, WinchSituation] | None],
+    ) -> None:
         parameters, dt = design.parameters, design.tick_period
         # for requests of the operator
         self.modes = ModeMachine(
-            parameters.modes, moves_winch=law.moves_winch, factor=parameters.factor, tick_period=dt
+            *(parameters.modes, self._situation),
+            moves_winch=law.moves_winch,
+            factor=parameters.factor,
+            tick_period=dt,
         )
+        self._look = look
         # whether compensation is harmful
         self.guard = HarmGuard(parameters.guard, guarded_loop(design, law), tick_period=dt)
         self.landing = Landing(parameters.tension, hanging_load(design))  # whether the unit stands
-        self._alarm_before, self._was_inhibited, self._dt, self._peak_reported = "", False, dt, 0.0
+        self._alarm_before, self.was_inhibited, self._dt = "", False, dt
         self._design, self._state = new(SUPERVISION_DESIGN), new(SUPERVISION_STATE)
-        self._seen, self._done = np.zeros(len(SUPERVISION_SEEN.rows)), np.zeros(len(SUPERVISED.rows))
-        guard, landing, modes = self.guard, self.landing.core, self.modes
-        parts = (
-            *(self._design, self._state, self._seen, self._done, landing.design, landing.state),
-            *(guard.core.design, guard.core.state, guard.core.found, guard.core.attempt_design, guard.core.attempts),
-            *(modes.design, modes.state, modes.situation),
-        )
-        self._addresses = np.array([*sensed.sense, sensed.tick, *(part.ctypes.data for part in parts)], np.intp)
-        self._core, self._depths, self._at = library(), sensed.depths, self._addresses.ctypes.data
-        self._supervise, self._state_at = self._core.heave_core_supervise, self._state.ctypes.data
+        self.done = np.zeros(len(SUPERVISED.rows))
+        guard, landing, modes = self.guard.core, self.landing.core, self.modes
+        self.records = {
+            **{"design": self._design, "state": self._state, "seen": new(SUPERVISION_SEEN), "done": self.done},
+            **{"landing": landing.design, "landing_state": landing.state},
+            **{"guard": guard.design, "guard_state": guard.state, "verdict": guard.found},
+            **{"attempt_design": guard.attempt_design, "attempts": guard.attempts},
+            **{"modes": modes.design, "mode": modes.state, "situation": modes.situation},
+        }
+        self._core, self._state_at = library(), self._state.ctypes.data
         self._core.heave_core_supervision_begin(self._state_at)
         self._refer_to(design)
 
@@ -137,44 +135,52 @@ class Supervisor:
         """Leave a winch that has stopped for want of commands to the operator, who has asked for something."""
         self._state["is_pending"] = 0
 
-    def decide(self, tick: LoopTick, winch: WinchSituation) -> Decision:
-        """Return what is to be done in a tick with the `winch` in this situation."""
-        guard, inhibition, gate = self.guard, winch.inhibition, winch.proven.gate
-        guard.begin_tick(tick.number * self._dt)
-        if inhibition:
-            guard.note_certain(inhibition)
-        self._seen[:] = (
-            *(winch.fault, winch.speed, winch.mean_payout, winch.mean_acceleration, winch.settled_swing, winch.share),
-            *(winch.drum_error, inhibition is not None, winch.is_reversed, bool(winch.envelope), not gate),
-            winch.cell_jumped,
-        )
-        self._supervise(self._at, self._depths())
-        _, before, event, _, _, inhibits, damped, trusts, fades, stands, bounds, happened, _, _ = self._done.tolist()
-        bits = int(happened)
-        alarms = self._alarms(bits, tick, winch) if bits else ()
-        self._was_inhibited = bool(inhibits)
-        mode = self.modes.follow(int(event), int(before), partial(self._situation, tick, winch))
+    @property
+    def authority(self) -> float:
+        """Authority of compensation in the last tick."""
+        return float(self.done[AUTHORITY])
+
+    def go_on(self) -> None:
+        """Take that nothing has happened in a tick of which words are to be made."""
+        self.was_inhibited = bool(self.done[IS_INHIBITED])
+        self.modes.go_on()
+
+    def decided(self) -> Decision:
+        """Return what was decided in the last tick, and what has happened; to be asked once."""
+        bits = int(self.done[HAPPENED])
+        alarms = self._alarms(bits, *self._now()) if bits else ()
+        mode = self.modes.follow(int(self.done[EVENT]), int(self.done[BEFORE]))
         if mode.before is not None:
             alarms += (mode_alarm(mode),)
-        alarms += self._report_peaks(mode.mode)
+        if bits & Happened.SEA_ABOVE_WINCH:
+            alarms += self._peaks_alarm()
         if bits & Happened.LOWERS_BLIND:
-            alarms += (self._lowering_alarm(tick),)
-        return Decision(
-            mode=mode,
-            is_inhibited=self._was_inhibited,
-            is_damped=bool(damped),
-            trusts_estimate=bool(trusts),
-            fades_by_law=bool(fades),
-            unit_stands=bool(stands),
-            bounds_tension=bool(bounds),
-            landing=EVENTS[self.landing.event] if bits & Happened.UNIT_EVENT else None,
-            alarms=alarms,
-        )
+            alarms += (self._lowering_alarm(self._now()[0]),)
+        landing = EVENTS[self.landing.event] if bits & Happened.UNIT_EVENT else None
+        return self._decision(mode)._replace(landing=landing, alarms=alarms)
+
+    def decided_in(self, mode: Mode) -> Decision:
+        """Return what was decided in the last tick, in whose `mode` nothing has happened."""
+        return self._decision(ModeOutput(mode, "", self.authority, mode in BRAKED))
+
+    def _decision(self, mode: ModeOutput) -> Decision:
+        """Return the decision of the last tick, with its `mode`."""
+        self.was_inhibited = bool(self.done[IS_INHIBITED])
+        return Decision(mode, self.was_inhibited, bool(self.done[IS_DAMPED]))
 
     # in words
 
-    def _situation(self, tick: LoopTick, winch: WinchSituation) -> Situation:
-        """Return what `winch`, guard, gates and sensors are in a tick."""
+    def _now(self) -> tuple[LoopTick, WinchSituation]:
+        """Return what the last tick and the winch are."""
+        now = self._look()
+        assert now is not None, "words are made of a tick"
+        return now
+
+    def _situation(self) -> Situation:
+        """Return what winch, guard, gates and sensors are in the last tick."""
+        if self._look() is None:
+            return Situation()
+        tick, winch = self._now()
         guard, is_reversed = self.guard, winch.is_reversed
         lost = lost_sensors(tick, winch)
         return Situation(
@@ -194,6 +200,8 @@ class Supervisor:
     def _alarms(self, happened: int, tick: LoopTick, winch: WinchSituation) -> tuple[Alarm, ...]:
         """Return the alarms of what has `happened` in a tick, up to its mode."""
         found: list[Alarm] = []
+        if winch.inhibition:
+            self.guard.note_certain(winch.inhibition)
         if happened & Happened.LOAD_NOT_HANGING:
             found.append(self._load_alarm)
         if happened & Happened.DEPTH_NOT_PAYOUT:
@@ -201,7 +209,7 @@ class Supervisor:
             expected = out - self._parameters.boom_tip_height + float(self._design["stretch"][0]) * out
             found.append(ALARMS.alarm("PAYOUT_DEPTH_DISAGREE", depth=depth, out=out, expected=expected))
         if happened & Happened.INHIBITED and (alarm := self.guard.note()):
-            found += [alarm] if alarm.name != self._alarm_before or not self._was_inhibited else []
+            found += [alarm] if alarm.name != self._alarm_before or not self.was_inhibited else []
             self._alarm_before = alarm.name
         if happened & Happened.LINK_BACK:
             self.modes.resume()
@@ -228,22 +236,15 @@ class Supervisor:
         needed = math.ceil(100.0 * float(self._state["least_ratio"][0])) / 100.0
         return ALARMS.alarm("TENSION_LIMIT_LOW", needed=needed, limit=float(self._design["highest_ratio"][0]))
 
-    def _report_peaks(self, mode: Mode) -> tuple[Alarm, ...]:
-        """Return that a `mode` compensates in a sea with peaks above those allowed: at first, and grown by half."""
-        if mode is Mode.STANDBY:
-            self._peak_reported = 0.0
-        if mode is not Mode.COMPENSATING:
-            return ()
-        peak, most = PEAK_OVER_SIGNIFICANT * self.guard.demand, self._parameters.entry.peak_use
-        if not peak > max(most, GROWN * self._peak_reported):  # not a number: a law has spoilt the estimate
-            return ()
-        self._peak_reported = peak
-        alarm = peaks_alarm(peak, most, self.modes.factor * self.guard.authority_limit)
+    def _peaks_alarm(self) -> tuple[Alarm, ...]:
+        """Return that compensation goes on in a sea with peaks above those allowed: at first, and grown by half."""
+        peak, share = PEAK_OVER_SIGNIFICANT * self.guard.demand, self.modes.factor * self.guard.authority_limit
+        alarm = peaks_alarm(peak, self._parameters.entry.peak_use, share)
         return (alarm,) if alarm else ()
 
     def _closed_gates(self, tick: LoopTick, winch: WinchSituation) -> str:
         """Return why compensation may not begin in a tick; empty where it may."""
-        closed = int(self._done[-2])
+        closed = int(self.done[-2])
         if closed & Gate.LOAD_STANDS:
             return self._load_alarm.brief
         if closed & Gate.LOAD_UNWEIGHED:
@@ -259,11 +260,11 @@ class Supervisor:
         guard = self.guard
         reasons = [self._range_words(winch)] if closed & Gate.RANGE_SHORT else []
         reasons += [too_much(guard.residual, guard.largest_residual)] if closed & Gate.RESIDUAL_HIGH else []
-        return "; ".join(reasons) or winch.proven.gate
+        return "; ".join(reasons) or winch.proof_gate
 
     def _why_no_tension(self, tick: LoopTick, winch: WinchSituation) -> str:
         """Return why constant tension may not be asked for in a tick; empty when it may."""
-        closed = int(self._done[-1])
+        closed = int(self.done[-1])
         if closed & Gate.LOAD_CELL_LOST:
             return f"the load cell is lost ({lost_sensors(tick, winch)['load_cell']})"
         if closed & (Gate.LOAD_HANGS | Gate.TENSION_UNSEEN):

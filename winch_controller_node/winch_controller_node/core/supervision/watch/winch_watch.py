@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from typing import NamedTuple
 
@@ -28,8 +27,8 @@ from winch_controller_node.node_parameters import WinchControllerParameters
 TOLERATED_SHARE = 0.5
 """Further delay with which compensation is tried, over lag and delay of the model, where these are not identified."""
 
-PAYOUT = int(WinchLimit.PAYOUT)
-"""Limit of the winch at which no model of it holds."""
+PAYOUT, OF_MOTION = int(WinchLimit.PAYOUT), int(~WinchLimit.PAYOUT)
+"""Limit of the winch at which no model of it holds, and those that a sea takes it to."""
 
 
 class TransportReport(NamedTuple):
@@ -42,8 +41,8 @@ class TransportReport(NamedTuple):
 ON_TIME = TransportReport()
 """Commands that get there in time."""
 
-NO_ORDER, NO_REPORT = (math.nan, 0.0, 0.0, False), (False, 0, 0, False)
-"""Rows of WINCH_SEEN for a tick before the first order, and for one in which the winch has not reported."""
+NO_REPORT = (0, False, False, False)
+"""What is known of commands and limits of a winch that has not reported."""
 
 
 class WinchWatch:
@@ -65,22 +64,18 @@ class WinchWatch:
             }
         )
         self.drum = DrumWatch(winch, largest, dt, self._core.drum)  # orders and encoder of the last seconds
-        self._stated_delay, self._parameters = winch.command_delay, design.parameters
+        self._stated_delay = winch.command_delay
         # how many commands were late so far, and whether that is more than hiccups
         self.late_commands = LateCommands(dt, self._core.link)
         self._timeout_cause = TimeoutCause(dt, self._core.link)
         self._link, self._error = self._core.link.state[0], self._core.state["error"]
-        self._given: WinchOrder | None = None
+        self.records = self._core.records
         self.kept = 0  # ticks for which the winch has kept its order, as it got none
+        self._refer_to(design.parameters)
 
     def take(self, assumed: Mapping[str, float]) -> None:
         """Go by the `assumed` winch from now on, by quantity."""
         self.drum.take(assumed)
-
-    @property
-    def given(self) -> WinchOrder | None:
-        """Order of the last tick; None: none yet."""
-        return self._given
 
     @property
     def drum_error(self) -> float:
@@ -91,54 +86,48 @@ class WinchWatch:
         """Return why the winch has the fault it has, in words, with the `lateness` of the ticks; empty: unknown."""
         return self._timeout_cause.words(lateness) if self.fault == WinchFault.COMMAND_TIMEOUT else ""
 
-    def give(self, order: WinchOrder) -> None:
-        """Note the order of a tick."""
-        self._given, self.kept = order, 0
+    def take_kept(self) -> int:
+        """Return for how many ticks the winch has kept its order until now, once."""
+        kept, self.kept = self.kept, 0
+        return kept
 
-    def keep(self) -> None:
-        """Note a tick without an order and without a reading: the winch has kept the last order."""
-        given, self.kept = self._given, self.kept + 1
+    def keep(self, given: WinchOrder | None) -> None:
+        """Note a tick without an order and without a reading: the winch has kept the last one `given`; None: none."""
+        self.kept += 1
         if given is not None and not given.brake:
             self.drum.add(given.payout, given.payout_rate, None)
 
-    def watch(
-        self,
-        winch: WinchReading | None,
-        payout: float | None,
-        tension: float,
-        parameters: WinchControllerParameters,
-    ) -> TransportReport:
-        """Put the set-points of the last tick and what the encoder made of them on record; notice late commands.
+    def see(self, winch: WinchReading | None, parameters: WinchControllerParameters) -> tuple[int, bool, bool, bool]:
+        """Return which command the winch has taken, and whether it is at its end, at a limit, at one of its motion.
 
         Parameters
         ----------
         winch : the winch's own report; None: nothing came
-        payout : accepted encoder reading [m]; None: none
-        tension : at the top, measured [N]; NaN: not known
         parameters : with the active model of the winch
         """
         if parameters is not self._parameters:
-            self._parameters, delay = parameters, parameters.winch.command_delay
-            # a delay that was learnt to be shorter, what it lacks being taken for lag, makes no command late
-            put(self._core.design, {"delay": delay, "modelled": max(delay, self._stated_delay)})
-        given, reading = self._given, math.nan if payout is None else payout
-        order = NO_ORDER if given is None else (given.sequence, given.payout, given.payout_rate, given.brake)
-        reports = NO_REPORT
-        if winch is not None:
-            self.fault, limits = winch.fault, winch.limits_hit
-            # every limit but that of the payout, also of torque and pressure, acts as one of speed or acceleration
-            reports = (True, winch.command_sequence, limits & PAYOUT, limits != 0)
-        self._core.watch(*reports, *order, reading, tension)
-        return self._transport(parameters)
+            self._refer_to(parameters)
+        if winch is None:
+            return NO_REPORT
+        self.fault, limits = winch.fault, winch.limits_hit
+        # every limit but that of the payout, also of torque and pressure, acts as one of speed or acceleration
+        return winch.command_sequence, bool(limits & PAYOUT), limits != 0, limits & OF_MOTION != 0
 
-    def _transport(self, parameters: WinchControllerParameters) -> TransportReport:
+    def _refer_to(self, parameters: WinchControllerParameters) -> None:
+        """Go by the delay of the winch that is assumed from now on."""
+        self._parameters, delay = parameters, parameters.winch.command_delay
+        # a delay that was learnt to be shorter, what it lacks being taken for lag, makes no command late
+        put(self._core.design, {"delay": delay, "modelled": max(delay, self._stated_delay)})
+        self.tolerated_delay = tolerated_delay(parameters)
+
+    def transport(self) -> TransportReport:
         """Return late commands; nothing is compensated with more delay than can be identified or tolerated."""
         late, link = self.late_commands, self._link
         if not (link["news"] or link["is_cut"] or link["overdue"]):
             return ON_TIME
         if late.is_cut:
             return TransportReport(late.news, ALARMS.alarm("COMMANDS_CUT", time=CUT_TIME))
-        limit = tolerated_delay(parameters)
+        limit = self.tolerated_delay
         if late.overdue <= limit:
             return TransportReport(late.news)
         return TransportReport(late.news, ALARMS.alarm("COMMANDS_TOO_LATE", delay=late.overdue, limit=limit))
