@@ -247,7 +247,10 @@ def change_order(controller, change):
     begin, ordered = controller._begin, controller.envelope.records["readings"].view(dtype_of(READINGS))
 
     def changed():
-        assert not part("answer", result=COUNT)(tuple(controller._control.records(ACTING).values()))
+        acting = tuple(controller._control.records(ACTING).values())
+        if asks := part("answer", result=COUNT)(acting):
+            controller._command.ask(asks)
+            part("make")(acting)
         change(ordered)
         return Stage.SEND
 
