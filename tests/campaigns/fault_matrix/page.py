@@ -83,7 +83,7 @@ def shown_of(row: Sequence[Any]) -> tuple[Shown, Outcome]:
         name: float("nan" if value is None else value) for name, value in zip(NUMBERS, row[len(GROUPS) :], strict=False)
     }
     visible, wrong, alarms, words, failure, *stopped = row[len(GROUPS) + len(NUMBERS) :]
-    numbers["stopped"] = float(stopped[0]) if stopped and stopped[0] is not None else math.nan
+    numbers["stopped"] = float(stopped[0] or 0.0) if stopped else 0.0
     found = Outcome(**numbers, is_visible=visible, wrong=tuple(wrong), alarms=tuple(alarms), failure=failure)
     return Shown(names, words), found
 

@@ -62,8 +62,8 @@ class Outcome:
     modes: tuple[str, ...] = ()  # that were taken after the fault
     false_words: tuple[str, ...] = ()  # alarms whose consequence the modes of the next second belie
     failure: str = ""  # why the case could not be run; empty: it could
-    # motion of the unit after the same emergency stop without a fault, over that of the locked one; NaN: none was asked
-    stopped: float = math.nan
+    # motion of the unit after the same emergency stop without a fault, over that of the locked one; 0: none was asked
+    stopped: float = 0.0
     seconds: float = 0.0  # of processor time that it took
 
 
