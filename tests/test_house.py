@@ -54,7 +54,7 @@ BUDGETS = {
     "bags": (10_655, 7_700),
     "bringup": (7_768, 6_100),
     "extras/devices": (7_473, 4_900),
-    "extras/studies": (13_221, 6_000),
+    "extras/studies": (13_230, 6_000),
     "extras/statics": (3_205, 1_800),
     "extras/drives": (1_784, 1_784),
     "extras/panel": (1_618, 900),
