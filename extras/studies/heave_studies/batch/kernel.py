@@ -2,6 +2,9 @@
 
 The servo is the plant's own kernel, and the line with the winch locked has run before. Filter and law are matrices:
 x = A x + B u, then x += K (y - H x), and u = -G x.
+
+Arguments have the same names everywhere: `lanes` the lines of the lifts, `course` and `timing` of the lifts, `lane` the
+place of one of them, `locked` what is kept of lines with the winch locked.
 """
 
 from __future__ import annotations

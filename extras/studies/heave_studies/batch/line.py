@@ -3,6 +3,12 @@
 They are those of `cable_sim_node.line`, whose node names, scheme and tolerance hold, for vertical motion alone: three
 equations a node become one, and LANES lifts take a vector instruction together. A lift in which a segment comes slack,
 or a node is born or dies, leaves its lane: its numbers mean nothing from then on.
+
+Arguments have the same names everywhere: `lanes` the lines, of which `cells`, `parts` and `scheme` are fields, with `n`
+segments; `h` a step [s], and `share` the part of it up to where the equations hold; an acceleration moves by `c_mass`
+[1/s^2] and a velocity by `c_velocity` [1/s] times as much as a position; `held` what `blend_top` puts out, `tip` what
+`take_material` keeps; `size` the largest change of strain and `least` the least strain of each lift, `gone` why it has
+left its lane, `tolerance` Newton's.
 """
 
 from __future__ import annotations
