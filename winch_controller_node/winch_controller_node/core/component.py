@@ -147,9 +147,8 @@ class WinchController(ControllerEvents):
         `preview` : to be used; None: none is
         """
         motion, winch, command = self._estimation.motion, measurements.winch, self._command
-        self.envelope.read(
-            measurements, Asked(self.mode, self.mean.request, is_damped_blind=self.modes.is_damped_blind)
-        )
+        blind, time = self.modes.is_damped_blind, loop.number * self._dt
+        self.envelope.read(measurements, Asked(self.mode, self.mean.request, is_damped_blind=blind, time=time))
         static_tension = self._static_tension(self.mean.point.payout)
         command.act(
             Tick(
