@@ -349,6 +349,7 @@ READINGS = structure(
     Row("mru_heave", "m", "raw heave of the boom tip, positive up; NaN: no good reading came"),
     Row("mru_rate", "m/s", "raw heave rate; NaN: none came"),
     Row("count", "m", "raw count of the drum; NaN: none came"),
+    Row("count_age", "s", "time by which that count is older than the tick"),
     Row("drive", "", "DriveState: what the winch reports of itself"),
     Row("load", "N", "raw load cell; NaN: none came"),
     Row("depth", "m", "raw depth sensor, positive down; NaN: none came"),

@@ -153,9 +153,7 @@ class Envelope:
         delay, period = design["winch"]["delay"], design["tick_period"]
         longest = (KEPT - 2) * period
         if delay > longest:
-            raise ValueError(
-                f"winch.command_delay = {delay:g} s: at ticks of {period:g} s at most {longest:g} s are kept"
-            )
+            raise ValueError(f"winch.command_delay = {delay:g} s: ticks of {period:g} s keep at most {longest:g} s")
         fill(self.design[0], design)
 
     def begin(self) -> None:

@@ -128,6 +128,11 @@ Samples samples_of(const Design &design) {
     return {every, samples(design.envelope.stroke_late), soon, std::max(int(std::round(span / time)), 1), time};
 }
 
+// Age of a sample of the drum's way, of those before this tick [s].
+double age_of_sample(const Design &design, const State &state, int every, int back) {
+    return ((state.tick - 1) % every + 1 + back * every) * design.tick_period;
+}
+
 }  // namespace
 
 // What the drum did until now says nothing.
@@ -136,18 +141,35 @@ void forget_strokes(State &state) {
     state.unjudged = 0.0;
 }
 
-// The drum's `way` by count in the `time` since its last reading, in which the nominal drum was `sent`: samples between
-// take their parts of what is beyond that. After a count that was lost they are not known.
+// Way of the nominal drum within an `age` until now [m]; between its samples in proportion.
+double way_since(const Design &design, const State &state, double age) {
+    if (!(age > 0.0)) return 0.0;
+    const int every = samples_of(design).every;
+    double newer = 0.0, after = state.stroke.nominal;
+    for (int back = 0; back < STROKES; back++) {
+        const double older = age_of_sample(design, state, every, back);
+        const double before = state.strokes[(state.sample + STROKES - back) % STROKES].nominal;
+        if (older >= age) return state.stroke.nominal - after + (after - before) * (age - newer) / (older - newer);
+        newer = older;
+        after = before;
+    }
+    return state.stroke.nominal - after;
+}
+
+// The drum's `way` by count in the `time` from its last reading to this one, in which the nominal drum was `sent`: samples
+// between take their parts of what is beyond that. After a count that was lost they are not known.
 void take_way(const Design &design, State &state, double way, double sent, double time) {
     state.stroke.off += way;
     if (time > design.envelope.count_time) return forget_strokes(state);
     const int every = samples_of(design).every;
     const Stroke &now = state.stroke;
+    const double late = state.time_since_count, later = state.since_count;
     for (int back = 0; back < STROKES; back++) {
-        const double age = ((state.tick - 1) % every + 1 + back * every) * design.tick_period;
+        const double age = age_of_sample(design, state, every, back) - late;
+        if (age < 0.0) continue;
         if (!(age < time - 0.5 * design.tick_period)) return;
         Stroke &between = state.strokes[(state.sample + STROKES - back) % STROKES];
-        const double since = now.nominal - between.nominal + (way - sent) * age / time;
+        const double since = now.nominal - later - between.nominal + (way - sent) * age / time;
         between.off = now.sent + now.off - since - between.sent;
     }
 }
@@ -202,7 +224,12 @@ double way_beyond(const Design &design, const State &state, const Samples &sampl
     const double gains = may_be_late ? design.envelope.stroke_gain : 0.0, rests = design.envelope.rest_speed * samples.time;
     const double runs_out = std::max(beyond.out, step > rests ? gains * (more - factor * outward) : 0.0);
     const double runs_in = std::max(beyond.in, step < -rests ? gains * (factor * inward - more) : 0.0);
-    return runs_out > runs_in ? runs_out : -runs_in;
+    // a drive at its limit trails behind its orders and catches up: what runs is ahead of the nominal drum as well
+    const int all = samples.late + 2 * samples.span;
+    const double ahead = counted(0) - counted(all) - (nominal(0) - nominal(all));
+    const double way_out = runs_out - state.limited * std::max(runs_out - std::max(ahead, 0.0), 0.0);
+    const double way_in = runs_in - state.limited * std::max(runs_in - std::max(-ahead, 0.0), 0.0);
+    return way_out > way_in ? way_out : -way_in;
 }
 
 // A drive may be late, and then a drum that runs while its orders fall cannot be told from it. One that has turned for a
@@ -219,7 +246,7 @@ void judge_sample(const Design &design, State &state, const Samples &samples, in
 
 }  // namespace
 
-// Samples without a reading of the count wait for the next one: what the drum did in them is known by that.
+// Samples since the last reading of the count wait for the next one: what the drum did in them is known by that.
 void watch_strokes(const Design &design, State &state) {
     const Samples samples = samples_of(design);
     state.resolution *= 1.0 + design.tick_period / design.envelope.window;
@@ -227,8 +254,8 @@ void watch_strokes(const Design &design, State &state) {
     state.sample = (state.sample + 1) % STROKES;
     state.strokes[state.sample] = state.stroke;
     state.unjudged = std::min(state.unjudged + 1.0, STROKES - 1.0 - samples.late - 2.0 * samples.span);
-    if (state.time_since_count > 0.0) return;
-    for (; state.unjudged > 0.0; state.unjudged -= 1.0) judge_sample(design, state, samples, int(state.unjudged) - 1);
+    const double waiting = std::ceil(state.time_since_count / samples.time - 1e-6);
+    for (; state.unjudged > waiting; state.unjudged -= 1.0) judge_sample(design, state, samples, int(state.unjudged) - 1);
 }
 
 // A drum at rest: what it did before says nothing.

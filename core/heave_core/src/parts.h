@@ -28,6 +28,7 @@ struct Travelled {
 
 // drum.cpp: the nominal drum
 Travelled advance_drum(const Design &design, State &state, double load);
+double way_since(const Design &design, const State &state, double age);
 void take_way(const Design &design, State &state, double way, double sent, double time);
 void count_way(const Design &design, State &state, double step, double sent, double time);
 void forget_strokes(State &state);

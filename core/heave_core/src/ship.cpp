@@ -165,6 +165,14 @@ int prove_count(const Design &design, State &state, double sent, double off) {
     return state.count_age > bounds.count_time ? COUNT_LOST : 0;
 }
 
+// Age of a count that comes late, by its stamp [s]: what was sent since then is not in it. A stamp that makes it older than a
+// lost one, or no newer than the last one while it goes on, is not believed.
+double age_of_count(const Design &design, const State &state, const Readings &readings, double step) {
+    const bool is_late = readings.count_age > 0.0 && readings.count_age <= design.envelope.count_time;
+    const bool is_next = state.time_since_count - readings.count_age > 1e-6;
+    return is_late && (is_next || step == 0.0) ? std::min(readings.count_age, state.time_since_count) : 0.0;
+}
+
 // The count beside the nominal drum. Returns bits.
 int observe_count(const Design &design, State &state, const Readings &readings, const Travelled &travelled) {
     const Bounds &bounds = design.envelope;
@@ -192,11 +200,13 @@ int observe_count(const Design &design, State &state, const Readings &readings, 
     state.time_since_count += dt;
     state.count_age += dt;
     if (!count_came(bounds, readings)) return state.count_age > bounds.count_time ? COUNT_LOST : 0;
-    const double sent = state.since_count, asked = state.asked_since_count, step = readings.count - state.count;
+    const double step = readings.count - state.count, age = age_of_count(design, state, readings, step);
+    const double later = way_since(design, state, age), moved = travelled.move * age / dt;
+    const double sent = state.since_count - later, asked = state.asked_since_count - moved;
     const bool is_first = !std::isfinite(state.count);
     // one that goes on after it froze makes in a step what the drum did meanwhile; what was sent then is not known
     const bool thaws = state.count_age > bounds.count_time && state.still_time >= bounds.frozen_time && step != 0.0;
-    const double time = state.time_since_count + (thaws ? state.still_time : 0.0);
+    const double time = state.time_since_count - age + (thaws ? state.still_time : 0.0);
     const double fastest = std::min(design.winch.speed, bounds.largest_rate);  // a drive without a limit: as the boom tip
     const bool is_jump = !is_first && std::abs(step - sent) > fastest * time + bounds.count_step;
     // no drum changes its speed so: the encoder is at fault, and no witness of the drum until it has gone along again, as long
@@ -210,10 +220,12 @@ int observe_count(const Design &design, State &state, const Readings &readings, 
     if (state.drift.time == 0.0) state.unproved = 0.0;
     state.count = readings.count;
     state.step = step;
-    state.since_count = state.asked_since_count = state.time_since_count = 0.0;
+    state.since_count = later;
+    state.asked_since_count = moved;
+    state.time_since_count = age;
     if (is_first) {
         state.position = state.drum.payout = state.prompt.payout = readings.count;
-        state.count_age = 0.0;
+        state.count_age = age;
         return 0;
     }
     state.position += is_jump ? sent : step;
@@ -237,13 +249,15 @@ int observe_count(const Design &design, State &state, const Readings &readings, 
     const bool went_on = readings.drive == DRIVE_RESTS && time > bounds.count_time;
     const double expected = went_on ? step : is_held ? clip(step, std::min(sent, 0.0), std::max(sent, 0.0)) : sent;
     state.drum_travel += std::abs(sent);
+    // a drum that suddenly goes otherwise than sent makes steps of its own in the load
+    if (std::abs(step - expected) > 0.5 * bounds.brake_margin) state.taut_time = 0.0;
     if (state.unproved > 0.0) return prove_count(design, state, sent, step - expected);
     if (!thaws) {
         state.residual += step - expected;
         state.drift.off += step - expected;
     }
     state.drift.way += step;
-    state.count_age = 0.0;
+    state.count_age = age;
     // a drive that creeps is ordered against it for good: what was sent drifts, the count does not
     state.travel_sent += std::min(dt / bounds.bound_window, 1.0) * (state.travel_count - state.travel_sent);
     return 0;

@@ -155,6 +155,7 @@ void read_raw(const Control &on) {
     const Given &given = *on.given;
     Readings &readings = *on.acting.readings;
     readings.mru_heave = readings.mru_rate = readings.count = readings.load = readings.depth = NOT_KNOWN;
+    readings.count_age = 0.0;
     for (int i = 0; i < int(given.readings); i++) {
         const Delivered &one = on.delivered[i];
         if (one.sensor == on.sense->mru && one.status == 0.0) {
@@ -167,6 +168,8 @@ void read_raw(const Control &on) {
     readings.drive = DRIVE_FREE;
     if (given.has_winch != 0.0) {
         readings.count = given.encoder;
+        // times of ticks are rounded otherwise than stamps
+        readings.count_age = 1e-6 * std::nearbyint(1e6 * (given.number * on.sense->tick_period - given.winch_time));
         if (given.brake != 0.0 || given.fault != 0.0) readings.drive = DRIVE_RESTS;
         else if (given.is_limited != 0.0) readings.drive = DRIVE_LIMITED;
     }

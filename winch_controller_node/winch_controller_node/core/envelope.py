@@ -40,7 +40,7 @@ MOVES = {
 BOUND = Bit.AT_RATE | Bit.AT_TRAVEL | Bit.AT_STOP
 """Bits of an order that was bounded."""
 
-NOTHING_READ = (math.nan, math.nan, math.nan, 0.0, math.nan, math.nan)
+NOTHING_READ = (math.nan, math.nan, math.nan, math.nan, 0.0, math.nan, math.nan)
 """Readings of a tick in which nothing came."""
 
 OF_DRUM = {
@@ -67,13 +67,14 @@ FREE, RESTS, LIMITED = (
 
 
 class Asked(NamedTuple):
-    """What an operator has asked for, by a mode and its requests."""
+    """What an operator has asked for at a tick, by a mode and its requests."""
 
     mode: Mode  # active
     move: MoveRequest  # last request for the mean payout
     tension: float = math.nan  # to hold [N]; NaN: none
     # at which the mean payout is carried along where the place moves about which the tip heaves [m/s]
     lift_rate: float = 0.0
+    time: float = math.nan  # of the tick [s]; NaN: readings are taken to be as new
 
 
 def nominal_design(parameters: WinchControllerParameters, cable: CableModel, tick_period: float) -> dict[str, Any]:
@@ -220,7 +221,7 @@ class OrderEnvelope:
         """
         self.see(raw, asked.move)
         readings = self._core.readings
-        readings[:READ] = _readings(raw)
+        readings[:READ] = _readings(raw, asked.time)
         readings[DUTY] = DUTIES.get(asked.mode, Duty.OPERATE)
         if not self._is_active:
             return order, []
@@ -233,15 +234,15 @@ class OrderEnvelope:
         return order._replace(payout=sent.payout, payout_rate=sent.rate, brake=bool(sent.brake)), self.news()
 
 
-def _readings(raw: Measurements) -> tuple[float, ...]:
-    """Return what was read at a tick, the first rows of READINGS."""
-    heave = rate = count = load = depth = math.nan
+def _readings(raw: Measurements, time: float) -> tuple[float, ...]:
+    """Return what was read at a tick of a `time` [s], the first rows of READINGS."""
+    heave = rate = count = age = load = depth = math.nan
     for reading in raw.mru:
         if reading.status == MruStatus.OK:
             heave, rate = reading.heave, reading.heave_rate
     winch, drive = raw.winch, FREE
     if winch is not None:
-        count = winch.encoder_payout
+        count, age = winch.encoder_payout, round(time - winch.time, 6)  # times of ticks are rounded otherwise
         if winch.brake or winch.fault != WinchFault.NONE:
             drive = RESTS
         elif winch.limits_hit != 0:
@@ -250,7 +251,7 @@ def _readings(raw: Measurements) -> tuple[float, ...]:
         load = cell.value
     for sensor in raw.of("depth"):
         depth = sensor.value
-    return heave, rate, count, drive, load, depth
+    return heave, rate, count, age, drive, load, depth
 
 
 def _alarm(sent: EnvelopeOrder, source: str) -> Alarm:
