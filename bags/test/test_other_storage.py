@@ -62,5 +62,6 @@ def test_types_that_nobody_knows_are_named_and_the_others_are_read(tmp_path):
 def test_a_broken_one_is_one_line_with_the_way_out(tmp_path, begins):
     file = tmp_path / ("one.db3" if begins.startswith(b"SQL") else "one.bag")
     file.write_bytes(begins)
-    with pytest.raises(BagError, match=r"cannot be read .* rosbags-convert"):
+    with pytest.raises(BagError, match=r"cannot be read .* rosbags-convert") as found:
         Bag(file).message_count  # noqa: B018 - read
+    assert ("ros2 bag" in str(found.value)) == (file.suffix == ".db3"), "which does not read ROS 1"

@@ -19,12 +19,13 @@ from heave_node.ros.transport.watchdog import check_memory
 
 from heave_bringup.commands.arguments import complete
 from heave_bringup.errors import CommandError, ExitStatus
-from heave_bringup.parser import make_parser
 
 FULL = (errno.ENOSPC, errno.EDQUOT)
 """Errors of a disk that is full: they come without the file's name."""
-_OF_ROS = {"PYTHONPATH": "rclpy", "LD_LIBRARY_PATH": "librcl.so", "AMENT_PREFIX_PATH": "share/rclpy"}
-"""Variables that the setup of a ROS extends, and what one of their folders holds where it does."""
+_OF_ROS = {"LD_LIBRARY_PATH": ["librcl.so"], "AMENT_PREFIX_PATH": ["share/rclpy"]}
+"""Variables that the setup of a ROS extends beside PYTHONPATH, and what one of their folders holds where it does."""
+_COMPILED = ("rclpy", "heave_msgs", "numpy")
+"""Modules that must be this installation's own, where it has them."""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -46,6 +47,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _main(arguments: Sequence[str] | None) -> int:
+    from heave_bringup.parser import make_parser  # noqa: PLC0415 - after what hides this installation's is left out
+
     parser = make_parser(sys.argv[1:] if arguments is None else arguments)
     complete(parser)
     options = parser.parse_args(arguments)
@@ -107,15 +110,18 @@ def _refused_by_the_system(error: OSError) -> int:
 
 
 def leave_out_other_ros(environment: MutableMapping[str, str], path: list[str]) -> str:
-    """Take folders with another ROS out of the `environment` and off the `path` of modules, in place.
+    """Take folders with another ROS or compiled module out of the `environment` and off the `path` of modules.
 
     Returns in words which, "" where there is none. Where the suite has no ROS but that of PYTHONPATH, as built by
     colcon, that one stays.
     """
     given = environment.get("PYTHONPATH", "").split(os.pathsep)
-    if not any((Path(folder) / "rclpy").is_dir() for folder in path if folder and folder not in given):
+    own = [Path(folder) for folder in path if folder and folder not in given]
+    hidden = [name for name in _COMPILED if any((folder / name).is_dir() for folder in own)]
+    if "rclpy" not in hidden:
         return ""
-    others = {name: _others(environment.get(name, ""), mark) for name, mark in _OF_ROS.items()}
+    marks = {"PYTHONPATH": hidden, **_OF_ROS}
+    others = {name: _others(environment.get(name, ""), marks[name]) for name in marks}
     middleware, libraries = environment.get("RMW_IMPLEMENTATION"), Path(sys.prefix) / "lib"
     if middleware and (libraries / "librmw.so").exists() and not (libraries / f"lib{middleware}.so").exists():
         others["RMW_IMPLEMENTATION"] = [middleware]
@@ -125,14 +131,14 @@ def leave_out_other_ros(environment: MutableMapping[str, str], path: list[str]) 
         environment.update({name: os.pathsep.join(kept)} if kept else {})
     path[:] = [folder for folder in path if folder not in others.get("PYTHONPATH", ())]
     found = "; ".join(f"{name} {', '.join(folders)}" for name, folders in others.items())
-    return f"another ROS is sourced in this shell, and hides this installation's: left out: {found}" if found else ""
+    return f"what hides this installation's rclpy, heave_msgs or numpy is left out: {found}" if found else ""
 
 
-def _others(folders: str, mark: str) -> list[str]:
-    """Return those of the `folders` of a variable that hold a `mark` of ROS and are not of this installation."""
+def _others(folders: str, marks: Sequence[str]) -> list[str]:
+    """Return those of the `folders` of a variable that hold one of `marks` and are not of this installation."""
     own = Path(sys.prefix)
     every = [folder for folder in folders.split(os.pathsep) if folder and not Path(folder).is_relative_to(own)]
-    return [folder for folder in every if (Path(folder) / mark).exists()]
+    return [folder for folder in every if any((Path(folder) / mark).exists() for mark in marks)]
 
 
 if __name__ == "__main__":

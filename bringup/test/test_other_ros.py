@@ -1,6 +1,7 @@
 """A shell in which another ROS is sourced."""
 
 import os
+import subprocess
 import sys
 from pathlib import Path
 
@@ -45,6 +46,29 @@ def test_a_middleware_that_this_installation_does_not_have_is_left_out(folders):
     assert environment == {}
     environment = {"RMW_IMPLEMENTATION": "rmw_fastrtps_cpp"}
     assert leave_out_other_ros(environment, [folders["own"]]) == ""
+
+
+@pytest.mark.parametrize("name", ["heave_msgs", "numpy"])
+def test_another_of_its_compiled_modules_is_left_out_where_it_has_its_own(name, folders, tmp_path):
+    (tmp_path / "humble" / "rclpy").rmdir()
+    (tmp_path / "humble" / name).mkdir()
+    for has_own in (False, True):
+        environment, path = {"PYTHONPATH": folders["humble"]}, [folders["humble"], folders["own"]]
+        assert (folders["humble"] in leave_out_other_ros(environment, path)) == has_own
+        assert (environment, path) == (({}, [folders["own"]]) if has_own else ({"PYTHONPATH": path[0]}, path))
+        (tmp_path / "own" / name).mkdir(exist_ok=True)
+
+
+def test_a_numpy_of_another_python_is_one_line(tmp_path):
+    """It must be left out before it is imported."""
+    (tmp_path / "numpy").mkdir()
+    (tmp_path / "numpy" / "__init__.py").write_text("raise ImportError('built for another Python')\n")
+    command = [sys.executable, "-c", "from heave_bringup.cli import main; main(['list'])"]
+    run = subprocess.run(
+        command, env={**os.environ, "PYTHONPATH": str(tmp_path)}, capture_output=True, text=True, check=True
+    )
+    (line,) = run.stderr.splitlines()
+    assert f"is left out: PYTHONPATH {tmp_path}" in line
 
 
 @pytest.mark.parametrize("given", [[], ["mine"]])

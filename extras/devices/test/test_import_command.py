@@ -51,10 +51,15 @@ def test_a_record_too_short_for_them_says_so(imported):
     assert result["peak_period_s"] is None
 
 
-def test_a_record_without_motion_has_no_period(imported):
-    _, result = imported(np.zeros(12_000))
-    assert result["significant_heave_m"] == 0.0
-    assert result["peak_period_s"] is None
+@pytest.mark.parametrize("options", [[], ["--accept-implausible"]])
+def test_a_record_without_motion_is_no_sea(options, tmp_path, capsys):
+    write_log(tmp_path / "mru.csv", np.full(12_000, 0.1))
+    sea = tmp_path / "sea.csv"
+    arguments = ["import", str(tmp_path / "mru.csv"), "--column", "heave", "--output", str(sea), *options]
+    assert main(arguments) == 1
+    (line,) = capsys.readouterr().err.splitlines()
+    assert "mru.csv: heave is constant: no sea" in line
+    assert not sea.exists()
 
 
 def test_the_scenario_that_is_written_plays_the_record_and_believes_its_height_and_period(tmp_path, monkeypatch):

@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 from heave_devices.live.tip_motion import GLIDE, TipMotion, WithoutSteps
+from heave_node.sensing.recent_motion import RecentMotion
 from scipy.spatial.transform import Rotation
 
 ARM = (20.0, -8.0, 15.0)
@@ -66,8 +67,14 @@ SHIP = 1.5 * np.sin(0.7 * TIMES)
 
 
 def moved(readings):
-    follower = WithoutSteps()
-    return np.array([follower.at(time, value) for time, value in zip(TIMES, readings, strict=True)])
+    tip = RecentMotion()
+    follower = WithoutSteps(tip)
+    ship = []
+    for time, value in zip(TIMES, readings, strict=True):
+        ship.append(follower.at(time, value) if math.isfinite(value) else math.nan)
+        if math.isfinite(value):
+            tip.add(time, ship[-1])
+    return np.array(ship)
 
 
 def test_a_sound_sensor_is_followed_to_the_bit():
@@ -91,3 +98,15 @@ def test_after_a_step_the_ship_goes_on_from_where_it_was_and_is_where_it_is_read
     assert np.abs(np.diff(ship)).max() < 0.1, "no jump"
     assert np.sort(after)[-4] < largest + 0.1
     assert ship[-1] == readings[-1]
+
+
+@pytest.mark.parametrize("back", [430, 480, 800])
+def test_after_a_silence_the_ship_goes_on_from_where_the_boom_tip_stands(back):
+    """After a second without readings it stands where they led; the ship may be elsewhere by metres then."""
+    readings = SHIP.copy()
+    readings[401:back] = math.nan
+    ship = moved(readings)
+    after = ship[back:]
+    assert abs(after[0] - SHIP[420]) < 0.1
+    assert np.abs(np.diff(after)).max() < 0.15, "no jump"
+    assert ship[-1] == SHIP[-1]

@@ -1,8 +1,12 @@
 """A move of millimetres: what a drum with a lag, a reversed one and one of another scale show."""
 
+import argparse
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
-from heave_devices.bench.wiggle import DURATION, LEAST, Reading, is_too_far, judge, move_at
+from heave_devices.bench.wiggle import DURATION, LEAST, Reading, is_too_far, judge, move_at, other_verdicts
+from heave_devices.commands import adapt
 
 DISTANCE, STEP = 0.02, 0.02
 
@@ -53,3 +57,15 @@ def test_a_silent_winch_is_named():
 def test_a_drum_that_runs_away_is_seen_within_millimetres():
     assert not is_too_far(1.2 * LEAST, 0.0, LEAST)
     assert is_too_far(0.0081, 0.0, LEAST)
+
+
+@pytest.mark.parametrize(("was_tripped", "untried"), [(False, "direction, fault, reset"), (True, "direction")])
+def test_what_a_move_cannot_show_is_named_at_the_end(was_tripped, untried, capsys):
+    """Both signs reversed, a fault bit that never sets and a reset that resets nothing move as a right winch does."""
+    verdicts = judge(drum(), DISTANCE) + other_verdicts(("fault", "reset"), was_tripped=was_tripped)
+    device = SimpleNamespace(device=SimpleNamespace(name="mine"))
+    session = SimpleNamespace(devices=[device], alone=lambda _: verdicts)
+    adapt._wiggle(argparse.Namespace(json=None, wiggle=20.0), session)
+    shown = capsys.readouterr()
+    assert shown.err == f"mine: not shown by this move, to be tried by you: {untried}\n"
+    assert shown.out.count("not tried") == untried.count(",") + 1

@@ -15,6 +15,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
+from unittest.mock import MagicMock
 
 import numpy as np
 import pandas
@@ -334,6 +335,20 @@ def test_a_process_that_dies_costs_its_own_job_only():
 
 def test_a_scheduler_that_does_not_answer_is_one_line():
     with pytest.raises(CommandError, match="--dask nonsense: no scheduler answers"), workers(address="nonsense"):
+        pass
+
+
+def test_a_worker_without_the_suite_is_one_line(monkeypatch):
+    """Else it would end with the first job, which it cannot read, and nothing would come from it for ever."""
+    import distributed  # noqa: PLC0415 - slow
+
+    client = MagicMock()
+    client.return_value.run.side_effect = ModuleNotFoundError("No module named 'heave_studies'")
+    monkeypatch.setattr(distributed, "Client", client)
+    with (
+        pytest.raises(CommandError, match="--dask tcp://there:1: a worker lacks the suite"),
+        workers(0, "tcp://there:1"),
+    ):
         pass
 
 

@@ -68,10 +68,10 @@ def copied(source: Path) -> Copied:
     except Exception as error:  # whatever somebody else's file brings about
         folder.cleanup()
         words = " ".join(str(error).split()) or type(error).__name__
+        repair = "rosbag reindex, of ROS 1" if _is_ros_1(source) else "ros2 bag reindex, if metadata.yaml is missing"
         raise BagError(
             f"{source}: a bag of {_kind(source)} that cannot be read ({words}); "
-            "try: ros2 bag reindex, if metadata.yaml is missing; ros2 bag convert; or "
-            "rosbags-convert --src BAG --dst FOLDER --dst-storage mcap"
+            f"try: {repair}; or rosbags-convert --src BAG --dst FOLDER --dst-storage mcap"
         ) from error
     notes = [f"{source.name} is a bag of {_kind(source)}: it was copied to MCAP, then read"]
     if unknown:

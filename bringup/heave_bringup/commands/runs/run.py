@@ -152,13 +152,7 @@ def execute(options: argparse.Namespace) -> None:
     if scenario.run.is_lockstep:
         evaluation.check_complete(folder.bag, outcome.status)
     report = None if options.no_report else folder.report
-    result = evaluation.evaluate(
-        scenario,
-        folder.bag,
-        report,
-        required=required,
-        baseline=options.baseline,
-    )
+    result = evaluation.evaluate(scenario, folder.bag, report, required=required, baseline=options.baseline)
     _write(options, scenario, folder, result)
     unsound = [*outcome.strangers, *outcome.lost]
     if unsound:

@@ -99,11 +99,11 @@ def judge(readings: Sequence[Reading], distance: float) -> list[Verdict]:
     return verdicts
 
 
-def reset_verdict(*, was_tripped: bool) -> Verdict:
-    """Return what a wiggle shows of the order that resets the drive, which `was_tripped` when it began, or not."""
-    if was_tripped:
-        return Verdict("reset", True, "the drive had tripped, and was reset")
-    return Verdict("reset", True, "the drive had not tripped. Trip it, and repeat", is_tried=False)
+def other_verdicts(has: Sequence[str], *, was_tripped: bool) -> list[Verdict]:
+    """Return what a wiggle shows beside the move of what a map `has`, of a drive that `was_tripped` before, or not."""
+    trip = "the drive had tripped, and was reset" if was_tripped else "the drive had not tripped. Trip it, and repeat"
+    look = "the drum must have paid out first, then hauled in: look. If not, both signs are reversed"
+    return [Verdict("direction", True, look, is_tried=False), *(Verdict(name, True, trip, was_tripped) for name in has)]
 
 
 def _place(readings: Sequence[Reading], end: float) -> float:
@@ -146,8 +146,9 @@ def wiggle(device: LiveDevice, spin: Callable[[float], None], distance: float) -
     finally:
         part.step(0.0, 0.0, brake=True)
     command = device.device.command
-    resets = command is not None and any(order.quantity == "reset" for order in command.orders)
-    return judge(readings, distance) + ([reset_verdict(was_tripped=was_tripped)] if resets else [])
+    orders = [order.quantity for order in command.orders] if command is not None else []
+    has = [name for name, known in (("fault", device.device.channels), ("reset", orders)) if name in known]
+    return judge(readings, distance) + other_verdicts(has, was_tripped=was_tripped)
 
 
 def _move(device: LiveDevice, part: RealPart, distance: float) -> list[Reading]:

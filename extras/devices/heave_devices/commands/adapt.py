@@ -119,10 +119,8 @@ def _wiggle(options: argparse.Namespace, session: Session) -> None:
     wrong = [verdict.what for verdict in found if not verdict.is_good]
     if wrong:
         raise CommandError(f"{session.devices[0].device.name}: {', '.join(wrong)}: not as the map says")
-    sys.stderr.write(
-        "The drum must have paid out first, then hauled in: look, for its readings cannot show it. "
-        "If not, both signs are reversed.\n"
-    )
+    untried = ", ".join(verdict.what for verdict in found if not verdict.is_tried)
+    sys.stderr.write(f"{session.devices[0].device.name}: not shown by this move, to be tried by you: {untried}\n")
 
 
 def _judgement(verdict: Verdict) -> str:

@@ -136,11 +136,8 @@ def _mapping_of(options: argparse.Namespace) -> DeviceMap | str:
     from heave_devices.maps.device_map import DeviceMap
     from heave_devices.records.sea_mapping import read_mapping
 
-    of_log = {
-        name: value
-        for name in ("time_column", "time_scale", "date_order")
-        if (value := getattr(options, name)) is not None
-    }
+    given = {name: getattr(options, name) for name in ("time_column", "time_scale", "date_order")}
+    of_log = {name: value for name, value in given.items() if value is not None}
     if options.scale is not None and not options.column:
         raise ParameterError("--scale: belongs to --column; in a mapping file, write scale with each motion")
     if options.topic:

@@ -68,7 +68,7 @@ class Adapter:
         self.taker = Taker(device)
         self.watch = LinkWatch(device.timeout)
         self.heave = RecentMotion()
-        self._ship = WithoutSteps()
+        self._ship = WithoutSteps(self.heave)
         self.newest: dict[str, float] = {}
         self.published = dict.fromkeys(device.outputs, 0)
         self._tip = TipMotion(device.lever_arm)
@@ -176,7 +176,8 @@ class Adapter:
 
     def _note_heave(self, now: float, heave: float) -> None:
         if math.isfinite(heave):
-            self.heave.add(now - self.device.latency, self._ship.at(now, heave))
+            time = now - self.device.latency
+            self.heave.add(time, self._ship.at(time, heave))
 
     def _reading(self, topic: str, taken: Taken, stamp: int) -> WireReading | WinchReading | None:
         if topic == sensors.MRU.topic.name:

@@ -5,9 +5,9 @@ then pitch about y to port (REP-103), arm x, y, z from the sensor. The rate foll
 rates, or, where the sensor has none, from the attitude of the last 0.6 s. A heave is about its mean: of the arm's share
 a running mean is taken out, so that trim and list do not lift the tip.
 
-The simulated boom tip moves by it without its steps, which are none of the ship: a spike, a sensor that froze and goes
-on, or a new zero would throw the simulated load by metres. What a step adds is taken off at once, and given back in
-GLIDE by half a cosine.
+The simulated boom tip moves by it without its steps, which are none of the ship: a spike, a sensor that froze or fell
+silent and goes on, or a new zero would throw the simulated load by metres. What a step adds is taken off at once, and
+given back in GLIDE by half a cosine.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from __future__ import annotations
 import math
 
 from heave_node.numerics.kinematics import height_of, height_rate_of
-from heave_node.sensing.recent_motion import RecentMotion
+from heave_node.sensing.recent_motion import OLDEST, RecentMotion
 
 FIRST_MEAN_TIME, MEAN_TIME = 20.0, 300.0
 """Time constant of the running mean [s]: it grows from the one to the other with the time since the start."""
@@ -68,7 +68,7 @@ class TipMotion:
 STEP = 0.2
 """A reading further from where the last ones lead is a step: a ship's acceleration adds less, and so does noise [m]."""
 ACCELERATION = 10.0
-"""Acceleration that no ship exceeds, which counts where readings are far apart [m/s^2]."""
+"""Acceleration that no ship exceeds, which counts where readings are apart [m/s^2]."""
 RATE_TIME = 0.2
 """Time over which the rate is taken that leads from one reading to the next [s]."""
 GLIDE = 5.0
@@ -76,9 +76,10 @@ GLIDE = 5.0
 
 
 class WithoutSteps:
-    """Takes steps out of readings of one quantity."""
+    """Takes steps out of readings that move the boom tip by `motion`: it stands still in a gap of more than OLDEST."""
 
-    def __init__(self) -> None:
+    def __init__(self, motion: RecentMotion) -> None:
+        self._motion = motion
         self._last: tuple[float, float] | None = None
         self._rate = 0.0
         self._since, self._size = -math.inf, 0.0
@@ -88,7 +89,9 @@ class WithoutSteps:
         before = self._last or (time, value)
         elapsed, change = time - before[0], value - before[1]
         step = change - self._rate * elapsed
-        if abs(step) > STEP + 0.5 * ACCELERATION * elapsed**2:
+        if elapsed > OLDEST and (stands := self._motion.at(before[0] + 0.99 * OLDEST)):
+            self._size, self._since, self._rate = value - stands[0], time, 0.0
+        elif abs(step) > STEP + 0.5 * ACCELERATION * elapsed**2:
             self._size, self._since = self._left(time) + step, time
         elif elapsed > 0.0:
             self._rate += (change / elapsed - self._rate) * min(elapsed / RATE_TIME, 1.0)

@@ -65,7 +65,7 @@ def import_sea(
     accept_implausible : take all samples as they are; what is implausible is in the notes
 
     Raises BagError if something named is missing, if nothing is in the window, if there are fewer than 10 samples, or
-    for implausible figures (`heave_node.files.plausible`).
+    for a constant heave or implausible figures (`heave_node.files.plausible`).
     """
     findings = Findings(accept_implausible)
     if isinstance(mapping, str):
@@ -76,6 +76,8 @@ def import_sea(
     if "heave" not in mapping.channels:
         raise BagError(f"{mapping.name}: heave is missing: give its topic and field, or its column")
     checked = record_channels(source, mapping, MOTIONS, findings)
+    if not np.ptp(checked["heave"].value):
+        raise BagError(f"{source}: heave is constant: no sea, or a sensor that did not measure")
     interval = float(np.median(np.diff(checked["heave"].time)))
     if interval > window.bridge or interval < PLAUSIBLE["sample interval"].least:
         findings.ask(question("sample interval", interval, "time") + " give the size of its unit by --time-scale")
@@ -141,9 +143,7 @@ def _sea_question(heave: Array, period: float) -> str:
         turns = int(np.count_nonzero(np.diff(np.sign(swing))))
         crossing = 2.0 * heave.size * period / max(turns, 1)
         return objection or (sea_question(4.0 * float(heave.std()), crossing, crossing) if turns > 3 else "")
-    if objection or not found.significant_height > 0.0:
-        return objection
-    return sea_question(found.significant_height, found.peak_period, found.peak_period)
+    return objection or sea_question(found.significant_height, found.peak_period, found.peak_period)
 
 
 def boom_tip_motion(motions: Mapping[str, Array], lever_arm: Sequence[float], count: int) -> Array:

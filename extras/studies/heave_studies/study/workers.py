@@ -103,14 +103,14 @@ def _client(dask: Any, processes: int, address: str | None) -> Iterator[Any]:
         except (OSError, ValueError) as error:
             raise CommandError(f"--dask {address}: no scheduler answers: {' '.join(str(error).split())}") from error
         with client:
+            try:
+                client.run(import_module, "heave_studies")  # a worker without it would end with its first job, unheard
+            except ImportError as error:
+                raise CommandError(f"--dask {address}: a worker lacks the suite ({error}): install it there") from error
             yield client
         return
     cluster = dask.LocalCluster(
-        n_workers=processes,
-        threads_per_worker=1,
-        memory_limit=0,
-        dashboard_address=None,
-        silence_logs=logging.CRITICAL,
+        n_workers=processes, threads_per_worker=1, memory_limit=0, dashboard_address=None, silence_logs=logging.CRITICAL
     )
     try:
         with dask.Client(cluster, set_as_default=False) as client:
