@@ -96,7 +96,7 @@ from heave_bringup.cli import main
         (["operate", "fault", "inject", "mru", "clear"], "heave operate fault inject: argument kind: invalid choice"),
         (
             ["operate", "fault", "inject", "winch", "freeze"],
-            "heave: winch: a fault of kind freeze is unknown; known: gap, delay, drive,",
+            "heave: winch: a fault of kind freeze is unknown; known: gap, delay, jitter, drive,",
         ),
         (["operate", "fault", "inject", "mru", "scale"], "heave: mru: the magnitude of kind scale must be a factor"),
         (["operate", "fault", "inject", "depth", "restart"], "heave: depth: a fault of kind restart is unknown"),
@@ -125,7 +125,7 @@ def test_a_wrong_command_line_is_one_line_and_status_2(arguments, words, capsys)
 
 def test_a_kind_of_fault_is_answered_with_those_of_its_device(capsys):
     assert main(["run", "b2_calm_300", "--set", "wave_vessel.mru.faults.kind=[frezze]"]) == 2
-    assert "one of freeze, gap, spike, jump, scale, nan, rate, delay, restart, clear\n" in capsys.readouterr().err
+    assert "one of freeze, gap, spike, jump, scale, nan, rate, delay, jitter, restart, clear\n" in capsys.readouterr().err
 
 
 def test_the_version_is_that_of_the_project_with_its_commit_where_it_is_known(capsys):

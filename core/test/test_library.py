@@ -75,7 +75,7 @@ def test_a_design_without_a_value_or_with_an_unknown_one_is_refused():
 
 
 def test_a_delay_longer_than_what_is_kept_is_refused():
-    with pytest.raises(ValueError, match=r"at most 25\.5 s are kept"):
+    with pytest.raises(ValueError, match=r"keep at most 25\.5 s"):
         library.Envelope({"tick_period": 0.05, "winch": {"delay": 30.0}})
 
 

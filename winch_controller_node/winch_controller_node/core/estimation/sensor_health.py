@@ -148,6 +148,8 @@ class SensorGate:
 def inconsistency_words(name: str, mean: float) -> str:
     """Return why readings are not consistent yet: the measurement `name` has the largest `mean` squared innovation."""
     largest, memory = WATCHES["inconsistent"], WATCHES["memory"]
+    if mean <= largest:  # what is remembered of them was restarted within the tick
+        return "sensors are compared anew from this tick on"
     wait = memory * math.log((mean - 1.0) / (largest - 1.0))
     return (
         f"innovations of {MEASURED_WORDS[name]} are {math.sqrt(mean):.1f} times their expected size, limit "
