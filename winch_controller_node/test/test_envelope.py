@@ -199,6 +199,13 @@ def test_a_law_that_is_no_number_for_a_moment_leaves_none_in_any_order_and_compe
     assert [loop.step()[0].mode for _ in range(round(40.0 / TICK))][-1] == "compensating"
 
 
+def test_a_law_that_returns_no_command_is_named(loop, monkeypatch):
+    command = loop.controller._command
+    monkeypatch.setattr(command, "_law", SimpleNamespace(name="own", command=lambda state: None))
+    with pytest.raises(TypeError, match=r"law own: command\(\) returned None; it must return a LawCommand"):
+        command._asked_elsewhere(0)
+
+
 class TestAlone:
     """The envelope of somebody else's controller."""
 

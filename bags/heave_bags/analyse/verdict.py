@@ -231,7 +231,7 @@ def judge(
 
 
 def why_not_judged(record: RunRecord) -> str:
-    """Return why the criteria of the scenario do not hold for a run; "" where they do."""
+    """Return why the run `record` is not judged by the criteria of its scenario; "" where they do."""
     return open_loop(record.played) or too_short(record.judged_time)
 
 
