@@ -54,7 +54,7 @@ BUDGETS = {
     "bags": (10_664, 7_700),
     "bringup": (7_760, 6_100),
     "extras/devices": (7_473, 4_900),
-    "extras/studies": (13_286, 6_000),
+    "extras/studies": (13_283, 6_000),
     "extras/statics": (3_205, 1_800),
     "extras/drives": (1_768, 1_768),
     "extras/panel": (1_610, 900),
