@@ -10,6 +10,7 @@ from heave_bags.analyse.events import Interval
 from heave_bags.analyse.read_run import read_run
 from heave_bags.report import headline, report
 from heave_bags.signals import Signal
+from heave_node.criteria import Criterion
 from made_up_run import MadeUpRun
 from numpy import arange, sin, where
 
@@ -184,6 +185,15 @@ def test_why_the_load_swings_under_the_industrial_controller_is_said_with_its_na
     values = {**record.kpis(), "baseline_outlet_efficiency": at_tip, "baseline_efficiency": at_load}
     said = headline.on_industrial(record, values)
     assert ("natural period (17 s)" in said) is is_said
+
+
+def test_a_criterion_that_a_run_is_not_judged_by_bounds_no_figure(record):
+    record.wanted = [Criterion("unit_sigma_m", "<=", 1e-6)]
+    assert headline.note(record, "unit_sigma_m") == "required at most 0.0001 cm"
+    assert headline.is_missed(record, "unit_sigma_m", 0.01)
+    record.end = record.start + 30.0
+    assert headline.note(record, "unit_sigma_m") == ""
+    assert not headline.is_missed(record, "unit_sigma_m", 0.01)
 
 
 @pytest.mark.parametrize("active, is_said", [(0.186, True), (1.0, False)])

@@ -134,7 +134,8 @@ def write_scenario(path: Path, text: str, *, needs_files: bool = True) -> None:
     With `needs_files` the files that it names must be there. Raises ParameterError, in one line, where the scenario is
     wrong or the file cannot be written.
     """
-    _of_sections(parse_sections(text.encode(), str(path)), path, (), needs_files=needs_files)
+    words = path.with_name(f"{path.name} (not written)")  # in errors
+    _of_sections(parse_sections(text.encode(), str(words)), words, (), needs_files=needs_files)
     try:
         with whole_file(path) as unfinished:
             unfinished.write_text(text, encoding="utf-8")

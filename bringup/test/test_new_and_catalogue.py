@@ -86,6 +86,14 @@ def test_a_mass_that_is_meant_in_tonnes_is_noted(here, capsys):
     assert "masses are in kg" not in capsys.readouterr().err
 
 
+def test_a_load_denser_than_lead_is_noted(here, capsys):
+    """600 t in 1.2 m^3 have 500 t/m^3."""
+    assert main(["new", "dense", "--mass", "600000", "--volume", "1.2"]) == 0
+    assert "the load of 600000 kg in 1.2 m^3 is denser than lead: check mass and volume" in capsys.readouterr().err
+    assert main(["new", "steel", "--mass", "8000", "--density", "7850"]) == 0
+    assert "denser" not in capsys.readouterr().err
+
+
 def controller_sea(controller) -> tuple[float, float]:
     return controller.sea.significant_wave_height, controller.sea.peak_period
 
@@ -159,7 +167,7 @@ def test_the_strength_of_a_wire_is_that_of_plant_and_belief_and_goes_with_the_wi
         (["new", "x", "--mass", "6000"], "its weight in water is not known; add --volume"),
         (["new", "x", "--mass", "6000", "--volume", "1", "--density", "6000"], "either the --volume or the --density"),
         (["new", "x", "--volume", "nan"], "--volume nan: must be above 0"),
-        (["new", "x", "--hs", "-2"], "significant_wave_height"),
+        (["new", "x", "--hs", "30"], "x.yaml (not written): /**: system.sea.significant_wave_height = 30.0 is not"),
         (["new", "x", "--depth", "300", "--length", "300"], "either the depth of the unit or the --length"),
         (["new", "x", "--hs", "2", "--like", "s900_driven"], "s900_driven has no sea to change"),
         (["catalogue", "unit", "thesis_124t"], "did you mean thesis_125t?"),

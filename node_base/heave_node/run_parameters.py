@@ -61,8 +61,8 @@ class RunParameters:
         "Real time: fraction of the tick for which a node waits for inputs; then it uses the newest.")  # fmt: skip
 
     time_budgets: tuple[str, ...] = parameter((),
-        description="Real time: largest period of a node's ticks, age of a tick at its answer, and processor time in a "
-        "tick, as NODE=QUANTITY:S with period, age or work; all=... for every node. Beyond: a warning in diagnostics.",
+        description="Real time: limits per node, as NODE=QUANTITY:S: period (time between ticks), age (of a tick at "
+        "its answer), work (processor time per tick); all=... for every node. Above a limit, diagnostics warn.",
     )  # fmt: skip
 
     def __post_init__(self) -> None:

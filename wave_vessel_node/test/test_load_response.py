@@ -1,4 +1,4 @@
-"""A ship that answers to its load: against the exact response of its three motions, and of two masses on a spring."""
+"""A ship that responds to its load: against the exact response of its three motions, and of two masses on a spring."""
 
 import math
 from dataclasses import replace

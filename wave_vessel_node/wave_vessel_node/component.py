@@ -127,7 +127,7 @@ class WaveVessel:
     def step(self, tick: int, tension: float = math.nan) -> WaveVesselOutputs:
         """Return the MRU reading of t_k and the motions of t_{k+1}, k = `tick`; raise ValueError if it is not the next.
 
-        Ticks come in order, from 1. A ship that answers to its load is given the `tension` at the boom tip at t_k [N].
+        Ticks come in order, from 1. A ship that responds to its load is given the `tension` at the boom tip at t_k [N].
         """
         if tick != self._next_tick:
             raise ValueError(f"ticks must come in order: expected {self._next_tick}, got {tick}")
@@ -147,7 +147,7 @@ class WaveVessel:
     def _take_block(self, first: int, tension: float = math.nan) -> None:
         """Compute the motions of a block of ticks from the `first` one on: nothing that happens in a run changes them.
 
-        The readings of the block before have been taken. Of a ship that answers to its load a block is one tick, with
+        The readings of the block before have been taken. Of a ship that responds to its load a block is one tick, with
         its answer to the `tension` a tick before [N].
         """
         ticks = block_from(first) if self._load is None else range(first, first + 1)
@@ -214,7 +214,7 @@ def boom_tip_heave(parameters: WaveVesselParameters, seed: int, tick_period: flo
     """Return heave, heave rate and acceleration of the boom tip at the first `count` ticks, shape (count, 3).
 
     They are the vertical part of `WaveVessel.boom_tips` by one sum; None where there is none: with a source without
-    components, a later sea, a crane, a ship that answers to its load. `parameters`, `seed` and `tick_period` [s] are
+    components, a later sea, a crane, a ship that responds to its load. `parameters`, `seed` and `tick_period` [s] are
     those of a `WaveVessel`.
     """
     scene = build_scene(parameters, seed, tick_period)

@@ -33,7 +33,7 @@ class WaveVesselNode(ParticipantNode):
 
     name = "wave_vessel"
     parameters_type = WaveVesselParameters
-    tension: Input | None = None  # of the cable, where the ship answers to it
+    tension: Input | None = None  # of the cable, where the ship responds to it
 
     def on_build(self) -> None:
         """See HeaveNode. Compiles the sum of components by asking for the first motion."""

@@ -50,7 +50,7 @@ class VesselParameters(VesselAnswer):
 
 @dataclass(frozen=True)
 class LoadResponseParameters:
-    """How the ship answers to the tension at the boom tip."""
+    """How the ship responds to the tension at the boom tip."""
 
     displacement: float = parameter(0.0, "kg", 0.0, None,
         "Mass of the ship, which cable tension moves in heave, roll and pitch; 0: no effect.")  # fmt: skip

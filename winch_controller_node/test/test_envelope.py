@@ -178,6 +178,52 @@ def test_what_was_sent_is_what_estimate_adviser_and_the_next_stop_go_by_and_an_o
     assert controller.envelope.reason is None
 
 
+LAW_OF_NAN = """
+import math
+from winch_controller_node.laws.law import ControlLaw, LawCommand
+
+class Wild(ControlLaw):
+    name = "wild"
+    summary = "the rate of the boom tip; not a number while it is wild"
+    required_sensors = ("mru",)
+    feeds_back_unit = False
+    is_wild = False
+
+    def __init__(self, design, parameters):
+        super().__init__(design, parameters)
+        self.row = design.model.row("boom_tip_heave_rate")
+
+    def command(self, state):
+        return LawCommand(math.nan if Wild.is_wild else float(self.row @ state.x))
+"""
+
+
+def test_a_law_that_is_no_number_for_a_moment_leaves_none_in_any_order_and_compensates_again(tmp_path):
+    (tmp_path / "wild.py").write_text(LAW_OF_NAN)
+    law = f"winch_controller.law={tmp_path / 'wild.py'}:Wild"
+    loop = ClosedLoop(loop_parameters(load_scenario("b2_calm_300", settings=["all.duration=200", "all.seed=1", law])))
+    wild = type(loop.controller.design.make_law())
+    while loop.tick < 50.0 / TICK:
+        loop.step()
+    assert loop.controller.mode is Mode.COMPENSATING
+    wild.is_wild = True
+    found = [loop.step()[0]]
+    wild.is_wild = False
+    assert [alarm.name for alarm in found[0].alarms] == ["ORDER_REPLACED: not finite"]
+    found += [loop.step()[0] for _ in range(round(45.0 / TICK))]
+    assert all(math.isfinite(one.order.payout + one.order.payout_rate) for one in found)
+    assert loop.controller.mode is Mode.STOPPED
+    loop.controller.set_mode("compensating")
+    assert [loop.step()[0].mode for _ in range(round(40.0 / TICK))][-1] == "compensating"
+
+
+def test_a_law_that_returns_no_command_is_named(loop, monkeypatch):
+    command = loop.controller._command
+    monkeypatch.setattr(command, "_law", SimpleNamespace(name="own", command=lambda state: None))
+    with pytest.raises(TypeError, match=r"law own: command\(\) returned None; it must return a LawCommand"):
+        command._asked_elsewhere(0)
+
+
 class TestAlone:
     """The envelope of somebody else's controller."""
 

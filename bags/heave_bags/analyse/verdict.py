@@ -215,9 +215,7 @@ def judge(
     def held(criteria: Sequence[Criterion]) -> tuple[Judged, ...]:
         return tuple(Judged(criterion, values.get(criterion.kpi, math.nan)) for criterion in criteria)
 
-    # the start-up says nothing about the loop
-    is_open_loop = open_loop(record.played)
-    why_not = is_open_loop or too_short(record.judged_time)
+    is_open_loop, why_not = open_loop(record.played), why_not_judged(record)
     return Verdict(
         held(() if why_not else wanted),
         held(required),
@@ -230,6 +228,11 @@ def judge(
         any(one.key == ROPE for one in record.signals.strengths),
         record.sea_run,
     )
+
+
+def why_not_judged(record: RunRecord) -> str:
+    """Return why the run `record` is not judged by the criteria of its scenario; "" where they do."""
+    return open_loop(record.played) or too_short(record.judged_time)
 
 
 def open_loop(played: Sequence[str]) -> str:

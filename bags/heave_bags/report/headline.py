@@ -5,13 +5,14 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 
+from heave_node.criteria import Criterion
 from heave_node.interface.codes import WinchLimit
 
 from heave_bags.analyse import kpi_set
 from heave_bags.analyse.kpis.window import Window
 from heave_bags.analyse.reading.stored import as_number, number
 from heave_bags.analyse.run_record import RunRecord
-from heave_bags.analyse.verdict import LEAST_SHARE, required_words
+from heave_bags.analyse.verdict import LEAST_SHARE, required_words, why_not_judged
 
 MOST = 8
 """Figures of merit that a person takes in at a glance."""
@@ -39,7 +40,7 @@ def headline(record: RunRecord, values: Mapping[str, float]) -> list[str]:
 
 def note(record: RunRecord, key: str) -> str:
     """Return what bounds the figure of merit `key` in the run `record`, in words; "" where nothing does."""
-    notes = [f"required {required_words(one)}" for one in record.wanted if one.kpi == key]
+    notes = [f"required {required_words(one)}" for one in _criteria(record, key)]
     notes += [f"required at least {one.required:.4g}" for one in record.signals.strengths if one.key == key]
     if key in OF_BASELINE and (active := _seldom_active(record)):
         notes.append(active)
@@ -62,7 +63,12 @@ def _acting(record: RunRecord) -> str:
 def is_missed(record: RunRecord, key: str, value: float) -> bool:
     """Return whether the figure of merit `key` of the run `record` has a `value` [SI] that breaks a bound on it."""
     is_short = any(one.key == key and value < one.required for one in record.signals.strengths)
-    return is_short or any(one.kpi == key and not one.is_met(value) for one in record.wanted)
+    return is_short or any(not one.is_met(value) for one in _criteria(record, key))
+
+
+def _criteria(record: RunRecord, key: str) -> list[Criterion]:
+    """Return the criteria on the figure of merit `key` by which the run `record` is judged."""
+    return [] if why_not_judged(record) else [one for one in record.wanted if one.kpi == key]
 
 
 def _seldom_active(record: RunRecord) -> str:

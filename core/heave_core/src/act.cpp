@@ -86,7 +86,11 @@ void take_sent(const Acting &on) {
     } else {
         const bool is_whole = std::isfinite(asked.payout) && std::isfinite(asked.rate);
         const double more = on.winch->is_first_order ? sent.payout - asked.payout : sent.rate - asked.rate;
-        command.value = is_whole ? command.value + more * gain_at(*on.winch, more) : command.standing + sent.rate;
+        if (is_whole) {
+            command.value += more * gain_at(*on.winch, more);
+        } else {
+            command.value = command.sent = command.standing + sent.rate;
+        }
         state.shaped = int(state.shaped) | BY_ENVELOPE;
         command.shaped = int(command.shaped) | BY_ENVELOPE;
     }

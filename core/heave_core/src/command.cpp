@@ -184,10 +184,13 @@ void make_command(const Commanded &on, const Problem &problem, CommandState &sta
     }
     state.standing = command.standing;
     state.shaped = command.shaped;
+    const bool is_number = std::isfinite(command.asked);
+    if (!is_number) state.value = state.sent = command.standing;  // of what is no number, nothing remembers anything
     command.value = state.value;
     command.sent = state.sent;
     command.compensating = state.value - on.loop.mean_command;
     command.mean = state.value - command.compensating;
+    if (!is_number) command.sent = NOT_KNOWN;  // the envelope is to see it
     note_order(on, state);
 }
 

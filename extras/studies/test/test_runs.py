@@ -41,14 +41,14 @@ def test_cases_that_differ_by_their_seed_have_the_text_that_each_would_have_alon
     assert len({task.values for task in tasks}) == len(tasks)
 
 
-def test_a_case_that_raises_says_why(study, monkeypatch):
+def test_a_case_that_raises_says_why_and_where(study, monkeypatch):
     class Parts:
         def __init__(self, parameters: object, *, has_adviser: bool) -> None:
             raise ValueError("no equilibrium:\n 3 m of cable")
 
     monkeypatch.setattr(runs, "ClosedLoop", Parts)
     (task, *_) = make_tasks(study, list(study.cases()))
-    assert run_task(task).failure == "no equilibrium: 3 m of cable"
+    assert run_task(task).failure.startswith("ValueError: no equilibrium: 3 m of cable (test_runs.py, line ")
 
 
 def test_a_case_whose_cable_would_part_is_no_success():

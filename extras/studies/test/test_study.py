@@ -245,8 +245,9 @@ def test_a_study_of_which_no_case_ran_ends_with_status_1(kind, monkeypatch, caps
     [
         (["b2_calm_300", "--vary", "winch_controller.law"], "must be NODE.PARAM=VALUE,VALUE,..."),
         (["b2_calm_300", "--vary", "law=off"], "--vary law=off: law is not a parameter"),
-        (["b2_calm_300", "--vary", "winch_controller.lw=off"], "--vary: winch_controller.lw: there is no parameter lw"),
-        (["b2_calm_300", "--vary", "winch_controller.law=sail"], "law = 'sail' is not allowed"),
+        (["b2_calm_300", "--vary", "winch_controller.lw=off"], "--vary: winch_controller: there is no parameter lw"),
+        (["b2_calm_300", "--vary", "winch_controller.law=sail"], "--vary: winch_controller: law = 'sail' is not"),
+        (["b2_calm_300", "--vary", "system.length=-3"], "--vary: system.length = -3.0 is not allowed for"),
         (["b2", "--vary", "winch_controller.law=off"], "b2: no such scenario"),
         (["b2_calm_300", "--vary", "all.seed=1", "--vary", "all.seed=2"], "--vary all.seed: stands twice"),
         (["seeds", "--seeds", "0"], "--seeds 0: must be at least 1"),

@@ -23,8 +23,8 @@ class WinchFigures:
     command_delay: float = parameter(0.2, "s", 0.0, 60.0, "Time from the start of a command's tick to its effect.")
     speed_limit: float = parameter(2.0, "m/s", 1e-3, 100.0, "Largest payout speed.")
     creep: float = parameter(0.0, "m/s", -1.0, 1.0,
-        "Speed at a set-point of 0, added at any other: the load moves a drum whose speed loop has no "
-        "integral part. The brake holds it.")  # fmt: skip
+        "Drift speed under load of a drum whose speed loop has no integral action; it adds to every "
+        "set-point. The brake stops it.")  # fmt: skip
     payout_minimum: float = parameter(-50.0, "m", -20_000.0, 20_000.0, "Lower end of the payout range.")
     payout_maximum: float = parameter(50.0, "m", -20_000.0, 20_000.0, "Upper end of the payout range.")
     power_limit: float = parameter(0.0, "W", 0.0, 1e9,

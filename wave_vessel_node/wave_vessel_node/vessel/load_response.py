@@ -1,4 +1,4 @@
-"""How the ship answers to what hangs at the boom tip: heave, roll and pitch by hydrostatics (thesis 1.3).
+"""How the ship responds to what hangs at the boom tip: heave, roll and pitch by hydrostatics (thesis 1.3).
 
 Each of the three is M q'' + B q' + C q = c F, with F the tension's change since the start, downwards at the boom tip,
 and c its lever: 1 in heave, y in roll, -x in pitch. C is rho g A_w, D g GM_T, D g GM_L (Newman, Marine Hydrodynamics,

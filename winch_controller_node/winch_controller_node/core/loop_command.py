@@ -221,7 +221,10 @@ class LoopCommand:
         if asks & Asks.NEEDS_PLAN:
             assert self._core_law is not None
             return self._core_law.planned()
-        return self._law.command(self._posed(self._preview))
+        asked = self._law.command(self._posed(self._preview))
+        if not isinstance(asked, LawCommand):
+            raise TypeError(f"law {self._law.name}: command() returned {asked!r}; it must return a LawCommand")
+        return asked
 
     def _payout(self) -> float:
         """Return the payout of the drum [m]."""

@@ -54,18 +54,12 @@ class MpcParameters:
     unit_heave: float = parameter(0.01, "m", 1e-4, 10.0,
         "Cost of law mpc: scale of unit heave. Laws lqr and lqg have weights.unit_heave.")  # fmt: skip
     payout_acceleration: float = parameter(0.5, "m/s^2", 0.0, 1e3,
-        "Cost of law mpc: scale of payout acceleration; smaller is more frugal, 0 removes it.")  # fmt: skip
+        "Cost of law mpc: scale of payout acceleration; smaller saves power, 0 removes it.")  # fmt: skip
     payout: float = parameter(50.0, unit="m", minimum=0.0, maximum=1e5, description="Cost of law mpc: scale of payout.")
     command: float = parameter(0.3, "m/s", 1e-3, 1e3,
         "Cost of law mpc: scale of the command; a small value leaves some motion uncompensated.")  # fmt: skip
-    free_payout_acceleration: float = parameter(
-        0.6,
-        unit="m/s^2",
-        minimum=0.0,
-        maximum=1e3,
-        description="Cost away from the winch limits: scale of payout acceleration; smaller is more frugal, 0 "
-        "removes it.",
-    )
+    free_payout_acceleration: float = parameter(0.6, "m/s^2", 0.0, 1e3,
+        "Cost away from the winch limits: scale of payout acceleration; less saves power, 0 removes it.")  # fmt: skip
     free_command: float = parameter(
         2.0,
         unit="m/s",

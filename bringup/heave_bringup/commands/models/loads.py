@@ -21,6 +21,9 @@ LIGHT = 0.02
 """A load that weighs less than this share of its rope in water is hardly meant [-]; the lightest of the catalogue on
 its longest rope has some 0.1."""
 
+LEAD = 11_340.0
+"""Density of lead, above which the volume of a load is hardly meant [kg/m^3]."""
+
 
 def strengths_in(scenario: Scenario) -> tuple[Strength, ...]:
     """Return what the parts of a `scenario` can carry, of those whose strength is stated."""
@@ -46,16 +49,20 @@ def short_at_rest(scenario: Scenario) -> list[str]:
     return words
 
 
-def light_beside_rope(scenario: Scenario) -> list[str]:
-    """Return in words that the load of a `scenario` is next to nothing beside its rope: its mass may be in tonnes."""
+def odd_load(scenario: Scenario) -> list[str]:
+    """Return in words that the load of a `scenario` is next to nothing beside its rope, or denser than lead: its mass
+    or volume may be in another unit.
+    """
     plant = scenario.parameters["cable_sim"]
-    load = plant.unit.weight_in_fluid(plant.water_density, plant.gravity)
+    unit, words = plant.unit, []
+    load = unit.weight_in_fluid(plant.water_density, plant.gravity)
     rope = plant.length * plant.cable.weight_in_fluid(plant.water_density, plant.gravity)
-    if not load < LIGHT * rope:
-        return []
-    return [
-        f"the load of {plant.unit.mass:g} kg weighs {100.0 * load / rope:.1g} % of the rope in water: masses are in kg"
-    ]
+    if load < LIGHT * rope:
+        share = 100.0 * load / rope
+        words.append(f"the load of {unit.mass:g} kg weighs {share:.1g} % of the rope in water: masses are in kg")
+    if unit.mass > LEAD * unit.volume > 0.0:
+        words.append(f"the load of {unit.mass:g} kg in {unit.volume:g} m^3 is denser than lead: check mass and volume")
+    return words
 
 
 def _checks_at_rest(scenario: Scenario) -> tuple[LoadCheck, ...]:

@@ -71,7 +71,7 @@ def execute(options: argparse.Namespace) -> None:
     from cable_sim_node.vertical.axial_line import axial_line
     from heave_node.loads.strength import payload_words
 
-    from heave_bringup.commands.models.loads import light_beside_rope, short_at_rest
+    from heave_bringup.commands.models.loads import odd_load, short_at_rest
     from heave_bringup.output import warn, write_result
     from heave_bringup.pages.commented_scenario import commented_scenario
     from heave_bringup.scenarios import description_of, find_scenario, load_scenario, sections_for, write_scenario
@@ -101,7 +101,7 @@ def execute(options: argparse.Namespace) -> None:
         unit += f"\nnote: added mass and drag area are scaled from the load of {shape}: check them"
     if known.wanted:
         unit += f"\nnote: the criteria (wanted) are those of {model.stem}: check them"
-    warn([*light_beside_rope(scenario), *short_at_rest(scenario)])
+    warn([*odd_load(scenario), *short_at_rest(scenario)])
     words = f"{path}: {sum(map(len, sections.values()))} values, each with its meaning\n{unit}\n{how}"
     write_result(options, words, {"file": str(path.resolve()), "like": model.stem})
 

@@ -12,6 +12,7 @@ from itertools import groupby
 import numpy as np
 import pandas
 from heave_bringup.scenarios import named_files
+from heave_node.errors import one_line
 from heave_node.numerics.arrays import Array
 from heave_node.parameters import ParameterError
 
@@ -21,7 +22,7 @@ from heave_studies.study.case_file import ReadFile, read_files
 from heave_studies.study.cost import LIFTS, LOOP, START, Meter
 from heave_studies.study.engine import SETTLED
 from heave_studies.study.plan import Case, Study, unlinked
-from heave_studies.study.runs import Task, in_a_line, judge, make_tasks, result_of, run_task
+from heave_studies.study.runs import Task, judge, make_tasks, result_of, run_task
 from heave_studies.study.table import FLAG, SCREENED, SILENT, case_frame
 from heave_studies.study.workers import FAILURE, Job, Plain
 
@@ -157,7 +158,7 @@ def screen(tasks: Sequence[Task]) -> Plain:
         with meters[0].of(LOOP):
             flown = batch.fly([task.scenario.run.seed for task in tasks])
     except Exception as error:  # what cannot be screened may run in full, and says there what is wrong
-        return {LIFTS: {str(task.case.number): {FLAG: in_a_line(error)} for task in tasks}, SETTLED: 0}
+        return {LIFTS: {str(task.case.number): {FLAG: one_line(error)} for task in tasks}, SETTLED: 0}
     lifts = {
         str(task.case.number): {FLAG: lift.flag}
         if lift.flag

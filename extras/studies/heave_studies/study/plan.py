@@ -114,7 +114,7 @@ class Study:
         differing = {} if case.is_nominal else {**case.settings}
         for place in (BASE, PHASE, DEPTH):
             differing.pop(place, None)
-        settings += [make_setting(place, value, f"{self.path}: {place}") for place, value in differing.items()]
+        settings += [self._setting(place, value) for place, value in differing.items()]
         for kpi, bound in wanted.items():
             settings.append(make_setting(f"wanted.{kpi}", bound, f"{self.path}: wanted"))
         return settings
@@ -122,11 +122,17 @@ class Study:
     def _common(self, case: Case | None = None) -> list[Setting]:
         """Return the changes of every case, but a nominal one."""
         changes = {} if case is not None and case.is_nominal else unlinked(self.common)
-        settings = [make_setting(place, value, f"{self.path}: {place}") for place, value in changes.items()]
+        settings = [self._setting(place, value) for place, value in changes.items()]
         if self.duration is not None:
             source = self.duration_source or f"{self.path}: duration"
             settings.append(Setting(WILDCARD, "duration", self.duration, source))
         return settings
+
+    def _setting(self, place: str, value: object) -> Setting:
+        """Return a change of a parameter, whose source names its node alone: an error in it names the parameter."""
+        made = make_setting(place, value, f"{self.path}: {place}")
+        node = place.removesuffix(made.name).rstrip(".")
+        return replace(made, source=f"{self.path}: {node}" if node else str(self.path))
 
     @cached_property
     def _base(self) -> Scenario:

@@ -21,6 +21,7 @@ from heave_bringup.run.loop_signals import run_signals
 from heave_bringup.scenarios import Scenario, load_scenario
 from heave_bringup.stored_scenario import stored_sections, stored_title
 from heave_node import kpi
+from heave_node.errors import one_line
 from heave_node.interface.alarm import Severity
 from heave_node.numerics.arrays import Array
 from heave_node.parameters import ParameterError
@@ -160,7 +161,7 @@ def run_task(task: Task) -> CaseResult:
             record = loop.run()
         return judge(task, record, loop.plant.largest_strain, meter)
     except Exception as error:  # one case that cannot be run must not end the others; it is named in the table
-        return CaseResult(task.case, failure=in_a_line(error))
+        return CaseResult(task.case, failure=one_line(error))
 
 
 def judge(task: Task, record: LoopRecord, strain: float, meter: Meter) -> CaseResult:
@@ -185,11 +186,6 @@ def judge(task: Task, record: LoopRecord, strain: float, meter: Meter) -> CaseRe
     verdict = Verdict(judged, (), modes, share, strain=strain, loads=signals.load_checks())
     reason, (failures, breaches) = lost_because(record, scenario, kpis), (verdict.failures, verdict.breaches)
     return CaseResult(case, kpis, "", share, reason, tuple(failures), tuple(breaches), minute, meter.seconds)
-
-
-def in_a_line(error: Exception) -> str:
-    """Return what an `error` says, in one line."""
-    return " ".join(str(error).split()) or type(error).__name__
 
 
 def _add_bounds(signals: RunSignals, record: LoopRecord, scenario: Scenario) -> None:

@@ -60,7 +60,7 @@ ACTIONS: Mapping[str, str] = {
     "end_stopped": "then stopped",
     "compensate_nothing": "gain 0",
     "compensate_all": "full gain",
-    "compensate_as_shown": "the gain that load and drum show",
+    "compensate_as_shown": "gain as seen in the motion of load and drum",
     "wait_for_operator": "no automatic restart",
     "count_loss": "count the loss; after too many losses no automatic restart",
 }
