@@ -196,7 +196,9 @@ def test_a_bag_of_which_nothing_can_be_read_is_refused_with_the_reason(tmp_path)
 def test_a_bag_of_no_run_is_called_so_whatever_was_lost_of_it(tmp_path):
     write_split(tmp_path / "bag", ("bag_0.mcap", "bag_1.mcap"))
     (tmp_path / "bag" / "bag_1.mcap").write_bytes(b"")
-    with pytest.raises(BagError, match=f"none of a run's topics in it; it holds {TOPIC}; bag_1.mcap: the file is empty"):
+    with pytest.raises(
+        BagError, match=f"none of a run's topics in it; it holds {TOPIC}; bag_1.mcap: the file is empty"
+    ):
         read_run(tmp_path / "bag")
 
 

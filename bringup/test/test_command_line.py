@@ -125,7 +125,9 @@ def test_a_wrong_command_line_is_one_line_and_status_2(arguments, words, capsys)
 
 def test_a_kind_of_fault_is_answered_with_those_of_its_device(capsys):
     assert main(["run", "b2_calm_300", "--set", "wave_vessel.mru.faults.kind=[frezze]"]) == 2
-    assert "one of freeze, gap, spike, jump, scale, nan, rate, delay, jitter, restart, clear\n" in capsys.readouterr().err
+    assert (
+        "one of freeze, gap, spike, jump, scale, nan, rate, delay, jitter, restart, clear\n" in capsys.readouterr().err
+    )
 
 
 def test_the_version_is_that_of_the_project_with_its_commit_where_it_is_known(capsys):
