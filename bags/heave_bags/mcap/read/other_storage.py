@@ -68,7 +68,7 @@ def copied(source: Path) -> Copied:
     except Exception as error:  # whatever somebody else's file brings about
         folder.cleanup()
         words = " ".join(str(error).split()) or type(error).__name__
-        repair = "rosbag reindex, of ROS 1" if _is_ros_1(source) else "ros2 bag reindex, if metadata.yaml is missing"
+        repair = "rosbag reindex, of ROS 1" if _is_ros_1(source) else "ros2 bag reindex, of a full ROS 2"
         raise BagError(
             f"{source}: a bag of {_kind(source)} that cannot be read ({words}); "
             f"try: {repair}; or rosbags-convert --src BAG --dst FOLDER --dst-storage mcap"

@@ -311,7 +311,7 @@ class McapScan:
                 continue
             data = records[body + MESSAGE_HEAD.size : offset]
             if channel not in counts and data.startswith(ZSTD_MAGIC):
-                raise BagError(f"{self.path}: its messages are compressed one by one; write it anew: ros2 bag convert")
+                raise BagError(f"{self.path}: each message is compressed: use ros2 bag convert, of a full ROS 2")
             counts[channel] = counts.get(channel, 0) + 1
             if is_after_loss:
                 self._account.end_at(log_time)
