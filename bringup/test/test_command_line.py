@@ -175,7 +175,7 @@ def test_a_wrong_value_of_a_study_is_told_of_its_file(tmp_path, capsys):
     study.write_text("scenario: b2_calm_300\nset: {wave_vessel.peak_period: abc}\n")
     assert main(["study", str(study)]) == 2
     said = capsys.readouterr().err.splitlines()[-1]
-    assert said.startswith(f"heave: {study}: wave_vessel.peak_period: peak_period = 'abc' is not allowed")
+    assert said.startswith(f"heave: {study}: wave_vessel: peak_period = 'abc' is not allowed")
     study.write_text("scenario: b2_calm_300\n")
     assert main(["study", str(study), "--duration", "5"]) == 2
     assert "heave: --duration 5: duration = 5 s leaves nothing after the transient" in capsys.readouterr().err

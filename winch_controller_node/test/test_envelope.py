@@ -17,6 +17,7 @@ from winch_controller_node.core.envelope import Asked, OrderEnvelope, _alarm, no
 from winch_controller_node.core.envelope_alone import EnvelopeAlone
 from winch_controller_node.core.supervision.modes import Mode
 from winch_controller_node.interface.readings import Measurements, ScalarReading, WinchOrder, WinchReading
+from winch_controller_node.laws import registry
 from winch_controller_node.laws.law import LawCommand
 from winch_controller_node.model.blocks import CableModel
 from winch_controller_node.motion.trajectory import MeanPayout
@@ -198,7 +199,9 @@ class Wild(ControlLaw):
 """
 
 
-def test_a_law_that_is_no_number_for_a_moment_leaves_none_in_any_order_and_compensates_again(tmp_path):
+def test_a_law_that_is_no_number_for_a_moment_leaves_none_in_any_order_and_compensates_again(tmp_path, monkeypatch):
+    monkeypatch.setenv(registry.LOADED, "")
+    monkeypatch.setattr(registry, "LAWS", dict(registry.LAWS))  # what is loaded does not stay
     (tmp_path / "wild.py").write_text(LAW_OF_NAN)
     law = f"winch_controller.law={tmp_path / 'wild.py'}:Wild"
     loop = ClosedLoop(loop_parameters(load_scenario("b2_calm_300", settings=["all.duration=200", "all.seed=1", law])))
