@@ -101,7 +101,7 @@ class Supervisor:
         # whether compensation is harmful
         self.guard = HarmGuard(parameters.guard, guarded_loop(design, law), tick_period=dt)
         self.landing = Landing(parameters.tension, hanging_load(design))  # whether the unit stands
-        self._alarm_before, self.was_inhibited, self._dt = "", False, dt
+        self._alarm_before, self._was_inhibited, self._dt = "", False, dt
         self._design, self._state = new(SUPERVISION_DESIGN), new(SUPERVISION_STATE)
         self.done = np.zeros(len(SUPERVISED.rows))
         guard, landing, modes = self.guard.core, self.landing.core, self.modes
@@ -142,7 +142,7 @@ class Supervisor:
 
     def go_on(self) -> None:
         """Take that nothing has happened in a tick of which words are to be made."""
-        self.was_inhibited = bool(self.done[IS_INHIBITED])
+        self._was_inhibited = bool(self.done[IS_INHIBITED])
         self.modes.go_on()
 
     def decided(self) -> Decision:
@@ -156,6 +156,7 @@ class Supervisor:
             alarms += self._peaks_alarm()
         if bits & Happened.LOWERS_BLIND:
             alarms += (self._lowering_alarm(self._now()[0]),)
+        self._was_inhibited = bool(self.done[IS_INHIBITED])
         landing = EVENTS[self.landing.event] if bits & Happened.UNIT_EVENT else None
         return self._decision(mode)._replace(landing=landing, alarms=alarms)
 
@@ -165,8 +166,7 @@ class Supervisor:
 
     def _decision(self, mode: ModeOutput) -> Decision:
         """Return the decision of the last tick, with its `mode`."""
-        self.was_inhibited = bool(self.done[IS_INHIBITED])
-        return Decision(mode, self.was_inhibited, bool(self.done[IS_DAMPED]))
+        return Decision(mode, bool(self.done[IS_INHIBITED]), bool(self.done[IS_DAMPED]))
 
     # in words
 
@@ -178,9 +178,9 @@ class Supervisor:
 
     def _situation(self) -> Situation:
         """Return what winch, guard, gates and sensors are in the last tick."""
-        if self._look() is None:
+        if (now := self._look()) is None:
             return Situation()
-        tick, winch = self._now()
+        tick, winch = now
         guard, is_reversed = self.guard, winch.is_reversed
         lost = lost_sensors(tick, winch)
         return Situation(
@@ -209,7 +209,7 @@ class Supervisor:
             expected = out - self._parameters.boom_tip_height + float(self._design["stretch"][0]) * out
             found.append(ALARMS.alarm("PAYOUT_DEPTH_DISAGREE", depth=depth, out=out, expected=expected))
         if happened & Happened.INHIBITED and (alarm := self.guard.note()):
-            found += [alarm] if alarm.name != self._alarm_before or not self.was_inhibited else []
+            found += [alarm] if alarm.name != self._alarm_before or not self._was_inhibited else []
             self._alarm_before = alarm.name
         if happened & Happened.LINK_BACK:
             self.modes.resume()
