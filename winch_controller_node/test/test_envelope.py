@@ -39,15 +39,20 @@ REQUEST = st.one_of(
 )
 
 
+def late_counts():
+    """Yield the ticks of a drum that turns at 0.1 m/s, when its count was read, 0.25 s before, and the count."""
+    for tick in range(40):
+        time = tick * TICK - 0.25
+        yield tick, time, 0.1 * max(time - NOMINAL.winch.command_delay - NOMINAL.winch.time_constant - 0.5 * TICK, 0.0)
+
+
 def test_a_count_is_as_old_as_its_stamp():
-    """Of a drum that turns at 0.1 m/s, read 0.25 s late: 2 cm behind the nominal one, as of now."""
+    """As of now it is 2 cm behind that of the nominal drum."""
     move = MeanPayout(NOMINAL.move, tick_period=TICK).request
     behind = []
     for is_stamped in (True, False):
         envelope, most = OrderEnvelope(NOMINAL, CABLE, TICK), 0.0
-        for tick in range(40):
-            time = tick * TICK - 0.25
-            way = 0.1 * max(time - NOMINAL.winch.command_delay - NOMINAL.winch.time_constant - 0.5 * TICK, 0.0)
+        for tick, time, way in late_counts():
             raw = Measurements(winch=WinchReading(time if is_stamped else tick * TICK, way, 0.1, brake=False))
             asked = Asked(Mode.COMPENSATING, move, time=tick * TICK)
             envelope.step(raw, asked, WinchOrder(tick, 0.0, 0.1, False))
@@ -238,6 +243,18 @@ class TestAlone:
         order = WinchOrder(7, 0.0, 0.0, True)
         assert alone.step(Measurements(), order)[0] == order
         assert alone.step(Measurements(), None) == (None, [])
+
+    def test_a_count_that_comes_late_is_as_old_as_its_stamp(self):
+        behind = []
+        for knows_time in (True, False):
+            alone, most = self.alone(), 0.0
+            for tick, time, way in late_counts():
+                raw = Measurements(winch=WinchReading(time, way, 0.1, brake=False))
+                alone.step(raw, WinchOrder(tick, 0.0, 0.1, False), tick * TICK if knows_time else math.nan)
+                most = max(most, -alone.envelope.last.residual)
+            behind.append(most)
+        assert behind[0] < 0.007
+        assert behind[1] > 0.015
 
     def test_a_wild_command_is_replaced_and_ends_in_the_brake_also_once_the_controller_is_silent(self):
         alone = self.alone()

@@ -64,7 +64,7 @@ class WinchEnvelopeNode(ParticipantNode):
             Water(self.parameters.water_density, self.parameters.gravity),
         )
         given = conversions.winch_order_of(commands[-1]) if commands else None
-        sent, news = self.bounded.step(measurements, given)
+        sent, news = self.bounded.step(measurements, given, tick.time)
         if sent is not None:
             self.within.publish(conversions.command_message(sent, tick.start_nanoseconds))
         for alarm in news:

@@ -55,20 +55,23 @@ class EnvelopeAlone:
         self.envelope.acknowledge()
         return self.envelope.reason is None
 
-    def step(self, measurements: Measurements, command: WinchOrder | None) -> tuple[WinchOrder | None, list[Alarm]]:
+    def step(
+        self, measurements: Measurements, command: WinchOrder | None, time: float = math.nan
+    ) -> tuple[WinchOrder | None, list[Alarm]]:
         """Do a tick: return the command that leaves, and what is new.
 
         Parameters
         ----------
         measurements : delivered at the tick
         command : of the controller; None: none came, and none leaves unless the envelope makes the order itself
+        time : of the tick [s]; NaN: readings are taken to be as new
         """
         self._age += self._dt
         if self._age > self._operator.timeout and self._move.kind == "drive":
             self._move = MoveRequest(self._move.number + 1, "stop", acceleration=self._acceleration)
         self._command = self._command if command is None else command
         mode = Mode.STANDBY if self._command.brake else Mode.COMPENSATING
-        sent, news = self.envelope.step(measurements, Asked(mode, self._move), self._command)
+        sent, news = self.envelope.step(measurements, Asked(mode, self._move, time=time), self._command)
         if command is None and self.envelope.reason is None:
             return None, news  # the winch's own watchdog is to see that the controller is silent
         self._sequence = max(self._sequence + 1, self._command.sequence)
