@@ -3,6 +3,7 @@
 from pathlib import Path
 
 import numpy as np
+import pandas
 import pytest
 import scipy.linalg
 from heave_bags.analyse import kpi_set
@@ -15,6 +16,7 @@ from heave_studies.batch.law import noises_seen, not_covered, stationary_gains
 from heave_studies.batch.lifts import SEA_TRACKER, LiftBatch, NotCoveredError
 from heave_studies.batch.line import SEEN_GONE, lanes_of
 from heave_studies.study.cases import Cases, screening_words
+from heave_studies.study.cost import LOOP
 from heave_studies.study.engine import run_study
 from heave_studies.study.plan import Study
 from heave_studies.study.table import FLAG, SCREENED
@@ -196,3 +198,5 @@ def test_a_study_screens_what_it_can_and_runs_the_rest_in_full(tmp_path: Path) -
     assert squares[2:].tolist() == of_full[2:].tolist()
     assert screening_words(frame).startswith("2 of 4 cases were screened")
     assert screening_words(full) == ""
+    loop = pandas.read_csv(tmp_path / "screened" / "cost.csv")[LOOP].tolist()
+    assert loop[0] == loop[1] > 0.0, "lifts that were made together"

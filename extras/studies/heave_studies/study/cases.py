@@ -139,7 +139,7 @@ def _figure(result: Plain, name: str) -> float:
 
 def screening_jobs(tasks: Sequence[Task]) -> Iterator[Job]:
     """Yield a job for the `tasks` of each combination, its number that of the first one, below 0."""
-    for _, of_one in groupby(tasks, key=lambda task: repr((task.case.is_nominal, task.case.settings))):
+    for _, of_one in groupby(tasks, key=lambda task: (task.alike or task).case.number):
         same = list(of_one)
         first = same[0].case
         more = f" and {len(same) - 1} more {'seed' if len(same) == 2 else 'seeds'}" if len(same) > 1 else ""
@@ -151,19 +151,19 @@ def screen(tasks: Sequence[Task]) -> Plain:
 
     What each came to, or why it belongs into the full loop, is there by number.
     """
-    meters = [Meter() for _ in tasks]
+    together = Meter()
     try:
-        with meters[0].of(START):
+        with together.of(START):
             batch = LiftBatch(tasks[0].scenario)
-        with meters[0].of(LOOP):
+        with together.of(LOOP):
             flown = batch.fly([task.scenario.run.seed for task in tasks])
     except Exception as error:  # what cannot be screened may run in full, and says there what is wrong
         return {LIFTS: {str(task.case.number): {FLAG: one_line(error)} for task in tasks}, SETTLED: 0}
     lifts = {
         str(task.case.number): {FLAG: lift.flag}
         if lift.flag
-        else {**judge(task, lift.record, lift.strain, meter).to_plain(), "is_screened": True}
-        for task, lift, meter in zip(tasks, flown, meters, strict=True)
+        else {**judge(task, lift.record, lift.strain, together.of_one(len(tasks))).to_plain(), "is_screened": True}
+        for task, lift in zip(tasks, flown, strict=True)
     }
     return {LIFTS: lifts, SETTLED: sum(FAILURE in one for one in lifts.values())}
 

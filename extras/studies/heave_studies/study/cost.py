@@ -46,6 +46,12 @@ class Meter:
             inside = sum(self.seconds.values()) - others
             self.seconds[part] += time.thread_time() - began - inside
 
+    def of_one(self, cases: int) -> Meter:
+        """Return the meter of one of so many `cases` that were timed together."""
+        one = Meter()
+        one.seconds = {part: seconds / cases for part, seconds in self.seconds.items()}
+        return one
+
     def watch(self, loop: ClosedLoop) -> None:
         """Time the methods of a `loop` from now on."""
         for part, names in METHODS.items():
