@@ -289,7 +289,7 @@ def duty_of(cases: pandas.DataFrame, limit: pandas.DataFrame, seas: SeaRecord, p
     """
     states = seas.states[workable(seas, limit)]
     weights = states["share"].to_numpy()
-    if not weights.size or weights.sum() <= 0.0:
+    if not weights.size:
         return Duty(**{of.name: math.nan for of in fields(Duty)})
     weights = weights / weights.sum()
 

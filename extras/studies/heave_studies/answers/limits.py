@@ -16,7 +16,6 @@ from heave_node.parameters import ParameterError
 from heave_studies.answers.answer import (
     Ask,
     Found,
-    Page,
     Section,
     check_seas,
     criteria_of,
@@ -140,7 +139,7 @@ def answer(study: Study, frame: pandas.DataFrame, _: Ask, /) -> Found:
     criteria = criteria_of(study)
     found = study_situations(frame, criteria)
     few = too_few_seeds([one.limit for one in found])
-    sections: list[Section | Page | Part] = [Section(notices=[few] if few else [])]
+    sections: list[Section | Part] = [Section(notices=[few] if few else [])]
     sections += [Section(one.name or "Limits", *limit_rows(one), texts=2, figures=[limit_figure(one)]) for one in found]
     sections.append(criteria_section(criteria))
     sections += [study.refinement.words(frame)] if study.refinement is not None else []

@@ -179,10 +179,9 @@ def workable_share(record: SeaRecord, curve: pandas.DataFrame, column: str = "li
 
 @dataclass(frozen=True)
 class Situation:
-    """What a study found for one heading, depth, ... : limits, and what they mean at a place."""
+    """What a study found for one heading, depth, ... : limits."""
 
     name: str  # "" where only the sea was varied
-    cases: pandas.DataFrame  # rows of the study's table
     limit: pandas.DataFrame  # by period, with the law of the scenario
     locked_limit: pandas.DataFrame  # by period, with the winch locked
 
@@ -198,7 +197,5 @@ def study_situations(frame: pandas.DataFrame, criteria: Mapping[str, Sequence[Cr
     found = []
     for name, cases in situations(frame):
         wanted = criteria[str(cases[PHASE].iloc[0]) if PHASE in cases else ""]
-        limit = limit_curve(cases, wanted)
-        locked = limit_curve(cases, wanted, locked=True)
-        found.append(Situation(name, cases, limit, locked))
+        found.append(Situation(name, limit_curve(cases, wanted), limit_curve(cases, wanted, locked=True)))
     return found

@@ -23,15 +23,13 @@ def command_of(system: Mapping[str, Any]) -> str:
     return f"heave fmu {system['scenario']} {settings} --folder {system['system']}"
 
 
-def write_cases(folder: Path) -> list[Path]:
-    """Write the cases of each system to `folder`/SYSTEM/SYSTEM.cases, where its FMUs go; return the files."""
-    given, files = read_cases(), []
+def write_cases(folder: Path) -> None:
+    """Write the cases of each system to `folder`/SYSTEM/SYSTEM.cases, where its FMUs go."""
+    given = read_cases()
     for system in given["systems"]:
         file = folder / system["system"] / f"{system['system']}.cases"
         file.parent.mkdir(parents=True, exist_ok=True)
         file.write_text(json.dumps(_of_system(given, system), indent=1) + "\n", encoding="utf-8")
-        files.append(file)
-    return files
 
 
 def _of_system(given: Mapping[str, Any], system: Mapping[str, Any]) -> dict[str, Any]:

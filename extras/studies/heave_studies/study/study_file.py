@@ -27,7 +27,7 @@ A study is a YAML file:
     until: {figure: unit_sigma_m, width: 10 %, most: 64}  # more seeds, until the mean's 90 % interval is so narrow
     search: {figure: silent_minute, runs: 480, at_most: 1.05}      # from these draws on, for the worst case
     phases: [{name: landing, depth: [1490, 1500], speed: 0.2}]     # of a lift, see `heave_studies.study.phases`
-    ask: {answer: limits, record: seas.csv}       # what is made of the cases, see `heave_studies.answers`
+    ask: {answer: limits, within: 0.5}            # what is made of the cases, see `heave_studies.answers`
 
 `vary` may also be a mapping: each of its parameters is then varied by itself.
 """
