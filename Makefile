@@ -91,12 +91,13 @@ constraints: $(VENV)/.test-installed  ## write the versions of this environment 
 	@mv constraints/.new constraints/$$($(BIN)/python -c 'import sys; print("python%d.%d" % sys.version_info[:2])').txt
 	@ls constraints
 
-# What no run uses goes: the middleware's copies of one library, C++ headers, tests of libraries (100 MB).
 # uv installs in a third of pip's time; where it cannot (a mirror that only pip is told of) pip does.
 $(VENV)/bin/uv:
 	@python=$$(sh tools/find_python.sh $(PYTHON)) && echo "setup: $$python" && "$$python" -m venv --clear $(VENV)
 	@$(BIN)/python -m pip install --quiet uv
 
+# What no run uses goes: the middleware's copies of one library and, before there are extras, whose imports need theirs, C++
+# headers and tests of libraries (100 MB).
 $(VENV)/.installed: $(VENV)/bin/uv $(BUILD_INPUTS)
 	@echo "setup: ROS 2 from wheels, then the messages are compiled: two to five minutes"
 	@echo "setup: $(if $(PINS),the versions of $(PINS); the newest: make LATEST=1,the newest versions)"
@@ -108,7 +109,7 @@ $(VENV)/.installed: $(VENV)/bin/uv $(BUILD_INPUTS)
 	@$(TELLING) "compiling the models" $(BIN)/python -m heave_bringup.compiled > $(VENV)/models.log 2>&1 || \
 		echo "setup: left to the first run, which will start slowly; $(VENV)/models.log says why"
 	@cd $(VENV)/lib && for copy in libfastdds.so libfastdds.so.3.2; do ! cmp -s $$copy libfastdds.so.3.2.2 || ln -sf libfastdds.so.3.2.2 $$copy; done
-	@rm -rf $(VENV)/include && find $(VENV)/lib/python*/site-packages -type d -name tests -prune -exec rm -rf {} +
+	@[ -e $@ ] || { rm -rf $(VENV)/include && find $(VENV)/lib/python*/site-packages -type d -name tests -prune -exec rm -rf {} +; }
 	@touch $@
 
 $(VENV)/.test-installed: $(VENV)/.installed
