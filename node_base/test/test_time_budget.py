@@ -80,6 +80,14 @@ def test_one_tick_over_budget_is_a_warning_once(clock):
     assert after["Timestamp Status"].values["Late diagnostic update count:"] == "1"
 
 
+def test_the_time_of_a_pause_is_no_period(clock):
+    timing = TickTiming("probe", TimeBudget(period=0.06), 0.05)
+    stepped(timing, clock, [0.05] * 5)
+    timing.broke_off()
+    frequency = stepped(timing, clock, [0.5, 0.05])["Frequency Status"]
+    assert (frequency.level, frequency.values["Events in window"]) == (Level.OK, "1")
+
+
 def test_without_a_budget_nothing_is_a_warning(clock):
     reported = stepped(TickTiming("probe", TimeBudget(), 0.05), clock, [0.05, 5.0], work=3.0, age=4.0)
     assert [health.level for health in reported.values()] == [Level.OK] * 3
@@ -105,7 +113,7 @@ def test_a_tick_is_traced_as_a_callback_that_is_registered_by_its_node(monkeypat
     assert library.calls == [(name, id(trace)) for name in names]
 
 
-def test_the_library_of_ros_has_these_points_and_without_it_nothing_is_traced(monkeypatch):
+def test_the_library_of_ros_has_these_points():
     try:
         library = ctypes.CDLL(LIBRARY)
     except OSError:
@@ -114,10 +122,14 @@ def test_the_library_of_ros_has_these_points_and_without_it_nothing_is_traced(mo
     assert library.ros_trace_callback_start
     assert library.ros_trace_callback_end
 
-    def missing(name):
-        raise OSError(name)
 
-    monkeypatch.setattr("ctypes.CDLL", missing)
+def missing(name):
+    raise OSError(name)
+
+
+@pytest.mark.parametrize("library", [missing, lambda name: object()], ids=["missing", "built without its functions"])
+def test_without_the_library_or_its_functions_nothing_is_traced(library, monkeypatch):
+    monkeypatch.setattr("ctypes.CDLL", library)
     trace = TickTrace("probe")
     trace.began()
     trace.ended()

@@ -54,7 +54,9 @@ class TickTiming:
     """
 
     def __init__(self, node: str, budget: TimeBudget, tick_period: float) -> None:
-        self.work, self.ages, self._periods = Durations(), Durations(), Durations()
+        self.work, self.ages = Durations(), Durations()
+        self._periods: list[float] = []  # since the last report [s]
+        self._period_count = 0
         self._budget, self._tick_period = budget, tick_period
         self._trace = TickTrace(node)
         self._began: float | None = None
@@ -65,7 +67,11 @@ class TickTiming:
         self._trace.began()
         before, self._began, self._worked = self._began, time.monotonic(), time.thread_time()
         if before is not None:
-            self._periods.add(self._began - before)
+            self._periods.append(self._began - before)
+
+    def broke_off(self) -> None:
+        """Note that no period leads to the next tick: it follows a pause, or begins another run."""
+        self._began = None
 
     def ended(self, age: float | None = None) -> None:
         """Note its end, `age` after the start of the tick [s]; None where `ages` is kept by somebody else."""
@@ -78,11 +84,12 @@ class TickTiming:
         """Return processor time, period and age as diagnostic statuses: a warning where one is over its budget."""
         if not len(self.work):
             return []
-        periods, ages = self._periods.take_new(), self.ages.take_new()
+        periods, self._periods, ages = self._periods, [], self.ages.take_new()
+        self._period_count += len(periods)
         window = sum(periods)
         frequency = {
             "Events in window": str(len(periods)),
-            "Events since startup": str(len(self._periods)),
+            "Events since startup": str(self._period_count),
             "Duration of window (s)": f"{window:f}",
             "Actual frequency (Hz)": f"{len(periods) / max(window, 1e-9):f}",
             "Target frequency (Hz)": f"{1.0 / self._tick_period:f}",

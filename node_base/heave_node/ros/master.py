@@ -451,7 +451,8 @@ class ClockMasterNode(HeaveNode):
         if self.run_state != TickStatus.PAUSED:
             return
         self.run_state = TickStatus.RUNNING
-        # The time of a pause does not count as delay: the tick that follows begins now.
+        # The time of a pause does not count as delay, nor as a period: the tick that follows begins now.
+        self.own_time.broke_off()
         self._clock_started_at = time.monotonic() - (self.tick_number + 1) * self.run.tick_period
         self._begin_what_follows()
 

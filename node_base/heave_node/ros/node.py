@@ -209,6 +209,7 @@ class HeaveNode(PortedNode):
         """Drop what came late of the previous run, in real time, and make a new component."""
         if not self.run.is_lockstep:
             self.gate.clear()
+            self.own_time.broke_off()
         self._asked.clear()
         for port in self._ports.inputs:
             port.reset()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+from contextlib import suppress
 
 LIBRARY = "libtracetools.so"
 """Of ros2_tracing, which rcl is linked with; without it, or built without LTTng, nothing is traced."""
@@ -13,12 +14,11 @@ class TickTrace:
 
     def __init__(self, node: str) -> None:
         self._callback = ctypes.c_void_p(id(self))
-        try:
-            self._library: ctypes.CDLL | None = ctypes.CDLL(LIBRARY)
-        except OSError:
-            self._library = None
-        else:
-            self._library.ros_trace_rclcpp_callback_register(self._callback, f"{node}/tick".encode())
+        self._library: ctypes.CDLL | None = None
+        with suppress(OSError, AttributeError):  # there is none, or one that was built without its functions
+            library = ctypes.CDLL(LIBRARY)
+            library.ros_trace_rclcpp_callback_register(self._callback, f"{node}/tick".encode())
+            self._library = library
 
     def began(self) -> None:
         """Mark the start of this node's part of a tick."""
