@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections import deque
+from heave_node.tick.least import Least
 
 RECENT, REMEMBERED = 3_000_000_000, 10_000_000_000
 """Wall time for which a delay is reported, and over which the least one counts as none [ns]."""
@@ -57,7 +57,7 @@ class _Delay:
     """A delay beside the least one that is remembered, which counts as none [ns]."""
 
     def __init__(self) -> None:
-        self._least, self._most = _Least(REMEMBERED), _Least(RECENT)  # the latter of delays times -1
+        self._least, self._most = Least(REMEMBERED), Least(RECENT)  # the latter of delays times -1
         self._newest = 0
 
     def add(self, wall: int, delay: int) -> None:
@@ -72,22 +72,3 @@ class _Delay:
     @property
     def largest(self) -> int:
         return -self._most.value - self._least.value
-
-
-class _Least:
-    """The least of the values that came within a length of wall time [ns], kept as they come."""
-
-    def __init__(self, length: int) -> None:
-        self._length = length
-        self._rising: deque[tuple[int, int]] = deque()  # each is less than all that came after it
-
-    def add(self, wall: int, value: int) -> None:
-        while self._rising and self._rising[-1][1] >= value:
-            self._rising.pop()
-        self._rising.append((wall, value))
-        while self._rising[0][0] < wall - self._length:
-            self._rising.popleft()
-
-    @property
-    def value(self) -> int:
-        return self._rising[0][1] if self._rising else 0

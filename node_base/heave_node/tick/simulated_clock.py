@@ -7,7 +7,7 @@ that was late would put the clock back for as long as it is the newest.
 
 from __future__ import annotations
 
-from collections import deque
+from heave_node.tick.least import Least
 
 _SECOND = 1_000_000_000
 WINDOW = 2 * _SECOND
@@ -20,23 +20,17 @@ class SimulatedClock:
     """The simulated time now, by when the last ticks began."""
 
     def __init__(self) -> None:
-        self._newest = 0
-        self._leads: deque[tuple[int, int]] = deque()
+        self._newest, self._lags = 0, Least(WINDOW)
 
     def tick_began(self, start: int, wall: int) -> None:
         """Take a tick that begins at simulated time `start`, as seen at `wall` time [ns]."""
         if start < self._newest:  # another run
-            self._leads.clear()
+            self._lags = Least(WINDOW)
         self._newest = start
-        while self._leads and self._leads[0][1] < wall - WINDOW:
-            self._leads.popleft()
-        lead = start - wall
-        while self._leads and self._leads[-1][0] <= lead:  # a later and larger one goes before it in any case
-            self._leads.pop()
-        self._leads.append((lead, wall))
+        self._lags.add(wall, wall - start)
 
     def now(self, wall: int) -> int:
         """Return the simulated time at `wall` time [ns]; 0 before the first tick."""
-        if not self._leads:
+        if self._lags.is_empty:
             return 0
-        return min(wall + self._leads[0][0], self._newest + LONGEST_LEAD)
+        return min(wall - self._lags.value, self._newest + LONGEST_LEAD)
