@@ -8,7 +8,7 @@ class Node:
 
     def __init__(self):
         self.callbacks, self.sent = {}, {}
-        self.others, self.said = set(), []
+        self.others, self.said = {}, []  # nodes that publish a topic too, by topic
 
     def create_subscription(self, kind, topic, callback, _):
         del kind
@@ -24,7 +24,11 @@ class Node:
         del self.sent[topic]
 
     def count_publishers(self, topic):
-        return (topic in self.sent) + (topic in self.others)
+        return len(self.get_publishers_info_by_topic(topic))
+
+    def get_publishers_info_by_topic(self, topic):
+        names = ["adapter"] * (topic in self.sent) + [name for of, name in self.others.items() if of == topic]
+        return [SimpleNamespace(node_name=name) for name in names]
 
     def get_logger(self):
         return SimpleNamespace(info=self.said.append)

@@ -379,8 +379,10 @@ def test_an_mru_leaves_the_boom_tip_to_a_vessel_in_the_run():
         device_map_of("mru", {"heave": {"topic": "/z", "type": "std_msgs/msg/Float64", "field": "data"}}), node
     )
     device.guard()
+    node.others["boom_tip"] = "adapter_mru"  # that was killed
+    device.guard()
     assert "boom_tip" in node.sent
-    node.others.add("boom_tip")
+    node.others["boom_tip"] = "wave_vessel"
     for _ in range(2):
         device.guard()
     assert "boom_tip" not in node.sent

@@ -144,10 +144,17 @@ class LiveDevice:
         """Look after the winch, and leave the boom tip to the run's vessel where there is one; called often."""
         with self._lock:
             self.orders.guard()
-        if self._tip is not None and self._node.count_publishers(topics.BOOM_TIP.name) > 1:
+        if self._tip is not None and self._has_vessel():
             self._node.get_logger().info(f"{self.device.name}: another node moves the boom tip, this device does not")
             self._node.destroy_publisher(self._tip)
             self._tip = None
+
+    def _has_vessel(self) -> bool:
+        """Return whether the run's vessel moves the boom tip, and no adapter that was killed and is still known."""
+        tip = topics.BOOM_TIP
+        if self._node.count_publishers(tip.name) < 2:
+            return False
+        return any(one.node_name == tip.publisher for one in self._node.get_publishers_info_by_topic(tip.name))
 
     def _on_message(self, topic: str) -> Callable[[Any], None]:
         def take(message: Any) -> None:
