@@ -3,7 +3,6 @@
 import os
 import subprocess
 import sys
-from pathlib import Path
 
 import pytest
 from heave_bringup.cli import leave_out_other_ros
@@ -39,13 +38,19 @@ def test_its_libraries_and_packages_are_left_out_too(folders, tmp_path):
     assert environment == {"LD_LIBRARY_PATH": folders["mine"]}
 
 
-@pytest.mark.skipif(not (Path(sys.prefix) / "lib" / "librmw.so").exists(), reason="ROS is not from wheels")
-def test_a_middleware_that_this_installation_does_not_have_is_left_out(folders):
+def test_a_middleware_that_this_installation_does_not_have_is_left_out(folders, tmp_path, monkeypatch):
+    libraries = tmp_path / "prefix" / "lib"
+    libraries.mkdir(parents=True)
+    for name in ("librmw.so", "librmw_fastrtps_cpp.so"):
+        (libraries / name).touch()
+    monkeypatch.setattr(sys, "prefix", str(tmp_path / "prefix"))
     environment = {"RMW_IMPLEMENTATION": "rmw_cyclonedds_cpp"}
     assert "RMW_IMPLEMENTATION rmw_cyclonedds_cpp" in leave_out_other_ros(environment, [folders["own"]])
     assert environment == {}
     environment = {"RMW_IMPLEMENTATION": "rmw_fastrtps_cpp"}
     assert leave_out_other_ros(environment, [folders["own"]]) == ""
+    (libraries / "librmw.so").unlink()  # ROS is not from wheels: its middlewares are elsewhere
+    assert leave_out_other_ros({"RMW_IMPLEMENTATION": "rmw_cyclonedds_cpp"}, [folders["own"]]) == ""
 
 
 @pytest.mark.parametrize("name", ["heave_msgs", "numpy"])
