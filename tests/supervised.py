@@ -252,9 +252,11 @@ class Supervised:
         )
         values = {"fault": 0, "mean_payout": 0.0, "settled_swing": math.inf, "share": 1.0, **(winch or {})}
         situation = WinchSituation(**{name: one for name, one in values.items() if name in WinchSituation._fields})
-        of_words = {"is_certain": situation.inhibition is not None, "envelope": bool(situation.envelope)}
+        assert set(values) <= {*WinchSituation._fields, *self._seen.dtype.names}
+        seen = {**values, "is_certain": situation.inhibition is not None, "envelope": bool(situation.envelope)}
+        seen["is_proved"] = not situation.proof_gate
         for name in self._seen.dtype.names:
-            self._seen[name] = {**values, **of_words, "is_proved": not situation.proof_gate}.get(name, 0.0)
+            self._seen[name] = seen.get(name, 0.0)
         part("supervise")(self._on, self._depths)
         self._now = words, situation
         return self.supervisor.decided()
