@@ -282,8 +282,9 @@ def _check_shared_names(given: Mapping[str, Given]) -> None:
 
 def _check_shared_choices(given: Mapping[str, Given]) -> None:
     """Refuse a shared choice that only some of its nodes know, such as a measured spectrum, and name those."""
+    known = {node: system_names(node, _names_of(node)) for node in NODE_BY_NAME}
     for name, value in given.items():
-        own = [(node, names[name]) for node in NODE_BY_NAME if name in (names := system_names(node, _names_of(node)))]
+        own = [(node, names[name]) for node, names in known.items() if name in names]
         refused = {node: words for node, mine in own if (words := _unfit(node, replace(value, name=mine, reader=node)))}
         if refused and len(refused) < len(own):
             fit = [f"{node}.{mine}" for node, mine in own if node not in refused]

@@ -110,14 +110,18 @@ def _foreign_transport() -> str:
 
 def _use_profile(reach: str) -> None:
     version = _fast_dds_version()
-    profile = resources.files("heave_node") / "fastdds_profiles" / f"heave_{reach}_{version}.xml"
+    profile = resources.files("heave_node") / "fastdds_profiles" / _name(reach, version)
     os.environ[PROFILE_VARIABLE[version]] = str(profile)
     # A file in the current folder would be read as well, and go before this one.
     os.environ["SKIP_DEFAULT_XML_FILE"] = "1"
 
 
+def _name(reach: str, version: int) -> str:
+    return f"heave_{reach}_{version}.xml"
+
+
 def _names(reach: str) -> list[str]:
-    return [f"heave_{reach}_{version}.xml" for version in PROFILE_VARIABLE]
+    return [_name(reach, version) for version in PROFILE_VARIABLE]
 
 
 def _fast_dds_version() -> int:
