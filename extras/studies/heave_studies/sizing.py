@@ -211,7 +211,6 @@ class Sized:
     """What a study found of one winch."""
 
     winch: Candidate  # the candidate
-    cases: pandas.DataFrame  # its rows of the study's table
     limit: pandas.DataFrame  # by period, as `limit_curve` gives it
     share: float  # of the place's seas that are workable [-]
     lower: float  # lower end of its confidence [-]
@@ -271,7 +270,7 @@ def size_winches(
     for winch, cases in of_frame(frame):
         limit = limit_curve(cases, criteria)
         share, lower, upper = (workable_share(seas, limit, column) for column in ("limit", "lower", "upper"))
-        found.append(Sized(winch, cases, limit, share, lower, upper, duty_of(cases, limit, seas, prices)))
+        found.append(Sized(winch, limit, share, lower, upper, duty_of(cases, limit, seas, prices)))
     return found
 
 
