@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import math
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 
@@ -14,7 +15,7 @@ from heave_bags.mcap.reader import Bag
 from heave_bringup.run.records import Request
 from heave_bringup.scenarios import Scenario, load_scenario
 from heave_node.numerics.arrays import Array
-from heave_node.parameters import build_parameters, describe, flatten
+from heave_node.parameters import ParameterError, build_parameters, describe, flatten
 from winch_controller_node.design.bounds import (
     BOUND_STEP,
     actuator_bound,
@@ -142,18 +143,20 @@ def true_parameters(scenario: Scenario) -> WinchControllerParameters:
 
 def scenario_of(bag: Path) -> Scenario | None:
     """Return the scenario that the bag carries; None where it carries none that this version can read."""
-    for name, content in Bag(bag).attachments.items():
-        if name.endswith((".yaml", ".yml")):
-            return _parsed(content)
+    with suppress(ValueError):  # ParameterError among them
+        return stored_scenario(Bag(bag))
     return None
 
 
-def _parsed(content: bytes) -> Scenario | None:
-    """Return a scenario from the bytes of its file; None if they are none that this version can read."""
-    try:
-        with tempfile.TemporaryDirectory() as folder:
-            path = Path(folder) / "scenario.yaml"
-            path.write_bytes(content)
-            return load_scenario(str(path), needs_files=False)
-    except ValueError:  # ParameterError among them
-        return None
+def stored_scenario(bag: Bag, settings: Sequence[str] = ()) -> Scenario:
+    """Return the scenario that a `bag` carries, with `settings` on top of it.
+
+    Raises ParameterError where it carries none, and for one that this version cannot read.
+    """
+    texts = [content for name, content in bag.attachments.items() if name.endswith((".yaml", ".yml"))]
+    if not texts:
+        raise ParameterError(f"{bag.path}: carries no scenario: what its controller assumed is not known")
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "scenario.yaml"
+        path.write_bytes(texts[0])
+        return load_scenario(str(path), settings=settings, needs_files=False)
