@@ -126,7 +126,7 @@ def _promise(options: Options, path: Path) -> Opened:
     kind = read_promise(path, ask, options.draws)
     own = options.own_folder
     folder = options.folder or own.with_name(f"{own.name}-{kind.seed}")
-    return Opened(kind, partial(promise.answer, kind, ask), folder, {"seed": str(kind.seed)}, description_of(path))
+    return Opened(kind, partial(promise.answer, kind), folder, {"seed": str(kind.seed)}, description_of(path))
 
 
 def _acceptance(options: Options, path: Path) -> Opened:

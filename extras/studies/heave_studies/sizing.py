@@ -1,4 +1,4 @@
-"""Which winch: the scenario's own and sweeps of one particular at a time about it, what each can work in, and costs."""
+"""Which winch: the scenario's own and sweeps of one particular at a time about it, and what each can work in."""
 
 from __future__ import annotations
 
@@ -176,16 +176,6 @@ EVEN_STEPS = 25
 
 
 @dataclass(frozen=True)
-class Prices:
-    """What an hour is charged with."""
-
-    efficiency: float = 0.8  # of the drive, either way, 0 to 1 [-]
-    # share of the regenerated energy that the ship can use, 0 to 1 [-]; the rest becomes heat
-    regeneration: float = 0.0
-    energy: float = 0.3  # price of a kWh in any currency [1/kWh]
-
-
-@dataclass(frozen=True)
 class Duty:
     """What an hour of compensation asks of a winch, as a mean over the seas in which it can work; NaN where there are
     none.
@@ -195,9 +185,6 @@ class Duty:
     rms: float  # root mean square of the power [W]
     motoring: float  # energy at the drum [Wh/h]
     regenerated: float  # energy at the drum [Wh/h]
-    electric: float  # energy bought, less what is fed back [Wh/h]
-    heat: float  # lost in the drive and burnt in resistors [Wh/h]
-    cost: float  # of the energy, in the currency of its price [1/h]
     travel: float  # of the rope [m/h]
     reversals: float  # of the rope [1/h]
     bending_cycles: float  # of the rope [1/h]
@@ -252,17 +239,14 @@ def even_seas(frame: pandas.DataFrame) -> SeaRecord:
     return SeaRecord(f"all seas up to Hs {top:g} m, each as often", states, math.nan)
 
 
-def size_winches(
-    frame: pandas.DataFrame, criteria: Sequence[Criterion], seas: SeaRecord, prices: Prices
-) -> list[Sized]:
-    """Return what each winch of a study can work in and costs, the scenario's own first.
+def size_winches(frame: pandas.DataFrame, criteria: Sequence[Criterion], seas: SeaRecord) -> list[Sized]:
+    """Return what each winch of a study can work in, and what an hour asks of it, the scenario's own first.
 
     Parameters
     ----------
     frame : table of the study
     criteria : that are to hold
     seas : of the place
-    prices : of an hour
 
     Raises ParameterError for the table of another study.
     """
@@ -270,11 +254,11 @@ def size_winches(
     for winch, cases in of_frame(frame):
         limit = limit_curve(cases, criteria)
         share, lower, upper = (workable_share(seas, limit, column) for column in ("limit", "lower", "upper"))
-        found.append(Sized(winch, limit, share, lower, upper, duty_of(cases, limit, seas, prices)))
+        found.append(Sized(winch, limit, share, lower, upper, duty_of(cases, limit, seas)))
     return found
 
 
-def duty_of(cases: pandas.DataFrame, limit: pandas.DataFrame, seas: SeaRecord, prices: Prices) -> Duty:
+def duty_of(cases: pandas.DataFrame, limit: pandas.DataFrame, seas: SeaRecord) -> Duty:
     """Return what an hour of compensation asks of a winch.
 
     Figures are linear between the seas that were run, 0 in a calm sea, and held beyond the grid.
@@ -284,7 +268,6 @@ def duty_of(cases: pandas.DataFrame, limit: pandas.DataFrame, seas: SeaRecord, p
     cases : of this winch
     limit : by period; an hour counts in which the sea is within it
     seas : of the place
-    prices : of an hour
     """
     states = seas.states[workable(seas, limit)]
     weights = states["share"].to_numpy()
@@ -295,19 +278,12 @@ def duty_of(cases: pandas.DataFrame, limit: pandas.DataFrame, seas: SeaRecord, p
     def mean(kpi: str) -> float:
         return float(weights @ _at(cases, kpi, states))
 
-    motoring, regenerated = mean("energy_wh_per_h"), mean("energy_regenerated_wh_per_h")
-    bought = motoring / prices.efficiency
     ranges = _at(cases, "tension_range_equivalent_n", states)
-    fed_back = prices.efficiency * prices.regeneration * regenerated
-    electric = bought - fed_back
     return Duty(
         peak=float(_at(cases, "power_peak_w", states).max()),
         rms=float(np.sqrt(weights @ _at(cases, "power_rms_w", states) ** 2)),
-        motoring=motoring,
-        regenerated=regenerated,
-        electric=electric,
-        heat=electric - motoring + regenerated,
-        cost=1e-3 * electric * prices.energy,
+        motoring=mean("energy_wh_per_h"),
+        regenerated=mean("energy_regenerated_wh_per_h"),
         travel=mean("rope_travel_m_per_h"),
         reversals=mean("reversals_per_h"),
         bending_cycles=mean("bending_cycles_per_h"),
@@ -318,9 +294,7 @@ def duty_of(cases: pandas.DataFrame, limit: pandas.DataFrame, seas: SeaRecord, p
 
 
 def _at(cases: pandas.DataFrame, kpi: str, states: pandas.DataFrame) -> Array:
-    """Return a figure of merit at seas, its mean over the seeds; NaN where an older table has no such figure."""
-    if kpi not in cases:
-        return np.full(len(states), math.nan)
+    """Return a figure of merit at seas, its mean over the seeds."""
     grid = cases.pivot_table(index=PERIOD, columns=HEIGHT, values=kpi, aggfunc="mean", dropna=False)
     grid = grid.bfill(axis=1).ffill(axis=1)  # of a case that could not be run: as in the sea beside it
     grid.insert(0, 0.0, 0.0)
@@ -412,10 +386,7 @@ DUTY = Sheet(
     Column("peak power [kW]", "duty.peak", "power_peak_w", number, 1e-3),
     Column("rms power [kW]", "duty.rms", "power_rms_w", number, 1e-3),
     Column("mean motoring power [kW]", "duty.motoring", "energy_wh_per_h", number, 1e-3),
-    Column("", "duty.regenerated", "energy_regenerated_wh_per_h"),
-    Column("mean power bought [kW]", "duty.electric", "electric_energy_wh_per_h", number, 1e-3),
-    Column("cost [1/h]", "duty.cost", "energy_cost_per_h", ".2f"),
-    Column("mean heat [kW]", "duty.heat", "heat_wh_per_h", number, 1e-3),
+    Column("mean regenerated power [kW]", "duty.regenerated", "energy_regenerated_wh_per_h", number, 1e-3),
     Column("rope [km/h]", "duty.travel", "rope_travel_m_per_h", number, 1e-3),
     Column("reversals [1/h]", "duty.reversals", "reversals_per_h", ".0f"),
     Column("bends [1/h]", "duty.bending_cycles", "bending_cycles_per_h", ".0f"),

@@ -102,8 +102,9 @@ class Drive(NamedTuple):
     def stepper(self) -> AxialStepper:
         """Twin of cable and unit at the first tick."""
         start = AxialInput(*(float(one[0]) for one in (self.tip.heave, self.tip.rate, self.payout, self.rate)))
-        sizes = {"segments": SEGMENTS, "duration": self.tick_period, "substeps": SUBSTEPS}
-        return AxialStepper(self.line, self.length, start, **sizes)
+        return AxialStepper(
+            self.line, self.length, start, segments=SEGMENTS, duration=self.tick_period, substeps=SUBSTEPS
+        )
 
 
 def driven(drive: Drive) -> PlantMotion:
@@ -250,6 +251,10 @@ class Replay:
     ----------
     past : the record and its twins; None of the twins is asked while the orders are those of the record
     asked : what is tried in it
+
+    Attributes
+    ----------
+    is_other : its orders, or its winch, were other than those of the record
     """
 
     def __init__(self, past: Past, asked: Asked) -> None:
@@ -259,7 +264,7 @@ class Replay:
         self._controller.skip_programme((record.first - 1) * dt)
         self._adviser = Adviser(asked.controller, tick_period=dt) if asked.has_adviser else None
         self._winch = VirtualWinch(asked.winch or past.winch_parameters, tick_period=dt)
-        self._is_other = asked.winch is not None and asked.winch != past.winch_parameters
+        self.is_other = asked.winch is not None and asked.winch != past.winch_parameters
         self._payout, self._rate = float(past.winch.payout[0]), float(past.winch.rate[0])
         self._plant = past.drive.stepper
         # differences of the twins at each tick: heave, velocity and acceleration of the unit, tension, payout, its rate
@@ -274,7 +279,7 @@ class Replay:
             modes.append(outputs.mode)
             alarms += [(float(record.time[index]), alarm) for alarm in outputs.alarms]
             unit, _, tension, _ = self._plant.state
-            limits = self._winch.state.limits_hit if self._is_other else record.limits_hit[index]
+            limits = self._winch.state.limits_hit if self.is_other else record.limits_hit[index]
             rows.append((self._payout, self._rate, outputs.depth_set_point, unit, tension, int(limits)))
             if index + 1 < record.ticks:
                 order = WinchCommand(*outputs.order)
@@ -287,16 +292,16 @@ class Replay:
         """Let the controller do the tick of an `index`, and its adviser answer."""
         record = self._past.record
         given, was = record.measurements[index], record.orders[index]
-        outputs = self._controller.step(record.first + index, self._as_read(given, index) if self._is_other else given)
+        outputs = self._controller.step(record.first + index, self._as_read(given, index) if self.is_other else given)
         if outputs.observations is not None and self._adviser is not None:
             self._controller.take(self._adviser.advise(outputs.observations))
-        self._is_other |= was is not None and outputs.order != was
+        self.is_other |= was is not None and outputs.order != was
         return outputs
 
     def _advance(self, winch: WinchState, index: int) -> None:
         """Take the plant to the next tick, of an `index`, under what the winch has become, and note the differences."""
         past = self._past
-        is_other = self._is_other
+        is_other = self.is_other
         extra = winch.payout - past.winch.modelled[index] if is_other else 0.0
         extra_rate = winch.payout_rate - past.winch.modelled_rate[index] if is_other else 0.0
         self._payout, self._rate = past.winch.payout[index] + extra, past.winch.rate[index] + extra_rate
