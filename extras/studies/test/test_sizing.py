@@ -96,26 +96,26 @@ def test_of_a_delay_the_long_one_is_the_cheap_one():
 
 def test_an_hour_is_a_mean_over_the_workable_seas():
     one = sized([0.5])[1]  # works up to 1 m of 4 m: even steps of 0.16 m, whose mean below 1 m is 0.48 m
-    assert one.duty.motoring == pytest.approx(POWER_PER_METRE * 0.48)
-    assert one.duty.bending_cycles == pytest.approx(CYCLES_PER_METRE * 0.48)
-    assert one.duty.peak == pytest.approx(10.0 * POWER_PER_METRE * 0.88)
-    assert one.duty.regenerated == pytest.approx(0.5 * one.duty.motoring)
+    assert one.duty["energy_wh_per_h"] == pytest.approx(POWER_PER_METRE * 0.48)
+    assert one.duty["bending_cycles_per_h"] == pytest.approx(CYCLES_PER_METRE * 0.48)
+    assert one.duty["power_peak_w"] == pytest.approx(10.0 * POWER_PER_METRE * 0.88)
+    assert one.duty["energy_regenerated_wh_per_h"] == pytest.approx(0.5 * one.duty["energy_wh_per_h"])
 
 
 def test_the_duty_cycle_of_an_hour_is_load_cycles_a_range_of_equal_damage_and_time_at_high_load():
     duty = sized([0.5])[1].duty  # even steps of 0.16 m from 0.08 to 0.88 m
-    assert duty.tension_cycles == pytest.approx(CYCLES_PER_METRE * 0.48)
-    assert duty.loaded == pytest.approx(4.8)
+    assert duty["tension_cycles_per_h"] == pytest.approx(CYCLES_PER_METRE * 0.48)
+    assert duty["time_above_half_rating_percent"] == pytest.approx(4.8)
     heights = [0.08 + 0.16 * step for step in range(6)]
     of_equal_damage = (sum(height**4 for height in heights) / 6) ** 0.25
-    assert duty.tension_range == pytest.approx(RANGE_PER_METRE * of_equal_damage)
+    assert duty["tension_range_equivalent_n"] == pytest.approx(RANGE_PER_METRE * of_equal_damage)
     assert of_equal_damage > 0.48, "the high seas do more than their share"
 
 
 def test_a_winch_that_can_work_nowhere_has_no_hour():
     one = sized([0.01])[1]
     assert one.share == 0.0
-    assert math.isnan(one.duty.peak)
+    assert math.isnan(one.duty["power_peak_w"])
 
 
 def test_the_sweeps_begin_at_the_scenario_and_each_changes_one_particular():
@@ -161,7 +161,7 @@ def test_the_study_answers_for_each_winch(tmp_path: Path, monkeypatch, capsys):
     assert set(answer["knees"]) == {"speed", "acceleration", "power"}
     page = (tmp_path / "studies" / "sizing" / "page.html").read_text()
     assert page.count('class="figure"') == 3
-    for heading in ("above half rating", "tension cycles", "equivalent tension range"):
+    for heading in ("half of rated speed or power", "cycles of the top tension", "damage-equivalent tension range"):
         assert heading in said
         assert heading in page
     assert "Fewer than 3 seeds show no confidence" in page

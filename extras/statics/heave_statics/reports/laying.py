@@ -34,6 +34,10 @@ class LaidCable:
     payout: float  # speed of the cable [m/s]
     laying: Laying  # the steady shape
 
+    def way(self, along: Array) -> Array:
+        """Return the cable from touchdown to ship, seen from above: `along` a course and to port of it, (n, 2) [m]."""
+        return (self.laying.shape[:, :2] + self.laying.touchdown) @ np.column_stack((along, (-along[1], along[0])))
+
 
 LAYS = Sheet(
     Column("speed m/s", "speed", "speed_mps", ".2f"),
@@ -101,12 +105,9 @@ def laying_report(
         x, y = laying.touchdown
         sideways = float(y * along[0] - x * along[1])
         lays.append(LaidCable(speed, -float(laying.touchdown @ along), sideways, angle, payout, laying))
-    turn = np.column_stack((along, (-along[1], along[0])))
-    ways = [(laid.laying.shape[:, :2] + laid.laying.touchdown) @ turn for laid in lays]
-    views = [
-        SideView(f"{laid.speed:g} m/s", way[:, 0], laid.laying.shape[:, 2])
-        for laid, way in zip(lays, ways, strict=True)
-    ]
+    ways = [laid.way(along) for laid in lays]
+    sides = [(f"{laid.speed:g} m/s", laid.laying.shape[:, 2]) for laid in lays]
+    views = [SideView(name, way[:, 0], height) for way, (name, height) in zip(ways, sides, strict=True)]
     return CasesReport(
         *(LAYS, "lays", tuple(lays), {"depth_m": depth, "course_deg": math.degrees(course)}),
         largest_tension=max(laid.laying.tension for laid in lays),

@@ -20,7 +20,6 @@ from heave_studies.answers.answer import (
     criteria_section,
     first_scenario,
 )
-from heave_studies.operability.limits import FEWEST_SEEDS
 from heave_studies.sizing import (
     ABILITY,
     BUYERS,
@@ -39,6 +38,7 @@ from heave_studies.sizing import (
     sweep_figure,
 )
 from heave_studies.study.plan import Study
+from heave_studies.study.summary import FEWEST_SEEDS
 from heave_studies.study.workers import FAILURE
 
 KEYS: Mapping[str, object] = MappingProxyType(dict.fromkeys((one.name for one in PARTICULARS), None))

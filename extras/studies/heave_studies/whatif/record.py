@@ -2,7 +2,7 @@
 
 Only what a ship has is asked for, by topic and by field. Truth of a simulator is not read: `winch/state` carries some
 (payout, its acceleration, tension), other topics nothing else. A reading is taken to have come in the tick in which it
-was recorded: in lockstep it did.
+was recorded, and not before its stamp, as the state of the winch at the end of a tick: in lockstep it did.
 """
 
 from __future__ import annotations
@@ -249,5 +249,5 @@ def _readings(columns: Columns, fields: Sequence[str], period: int) -> Mapping[i
     rows: Any = zip(*(columns[value].tolist() for value in fields), strict=True)
     found: dict[int, list[WireReading]] = defaultdict(list)
     for logged, stamp, numbers in zip(columns[LOG_TIME].tolist(), _stamps(columns).tolist(), rows, strict=True):
-        found[logged // period].append(WireReading(stamp, numbers))
+        found[max(logged, stamp) // period].append(WireReading(stamp, numbers))
     return found
