@@ -134,7 +134,7 @@ class MruModelParameters(SampledSensorParameters):
     rate_noise: float = parameter(0.01, "m/s", 1e-5, LARGEST_NOISE, "White noise of heave rate, 1 sigma.")
     high_pass_period: float = parameter(0.0, "s", 0.0, 300.0,
         "Cut-off period of the MRU's high-pass filter; 0: no filter.")  # fmt: skip
-    high_pass_damping: float = parameter(0.7071, "", 0.2, 2.0, "Damping ratio of the MRU's high-pass filter.")
+    high_pass_damping: float = 0.7071  # damping ratio of the high-pass filter [-]
     scale_sigma: float = parameter(0.0, "", 0.0, 0.5, "Possible scale error, 1 sigma; 0: not estimated.")
     bias_sigma: float = parameter(0.0, "m", 0.0, 100.0,
         "Possible mean of heave, from trim or another reference point, 1 sigma; 0: not estimated.")  # fmt: skip
@@ -174,8 +174,7 @@ class DepthModelParameters(SampledSensorParameters):
     rate: float = parameter(10.0, unit="Hz", minimum=0.01, maximum=1000.0, description="Readings per second.")
     latency: float = parameter(0.1, "s", 0.0, 5.0, "Typical age on arrival.")
     bias_sigma: float = parameter(1.0, "m", 0.0, 100.0, "Uncertainty of the mean depth at the start, 1 sigma.")
-    bias_drift: float = parameter(2e-4, "m/sqrt(s)", 0.0, 1.0,
-        "Random walk of the mean depth: tide, sensor drift, stretch.")  # fmt: skip
+    bias_drift: float = 2e-4  # random walk of the mean depth: tide, sensor drift, stretch [m/sqrt(s)]
 
     def rows(self) -> tuple[MeasurementRow, ...]:
         """Tell the heave of the unit, with an unknown mean."""
@@ -245,8 +244,7 @@ class LoadCellModelParameters(SampledSensorParameters):
     model_error: float = parameter(0.01, "", 0.0, 1.0,
         "Error of the tension from the two-state cable, as a fraction of the static tension, 1 sigma.")  # fmt: skip
     bias_sigma: float = parameter(0.05, "", 0.0, 1.0, "Uncertainty of the static tension at the start, 1 sigma.")
-    bias_drift: float = parameter(2e-4, "1/sqrt(s)", 0.0, 1.0,
-        "Random walk of the static tension: cable paid out, drift of the load cell.")  # fmt: skip
+    bias_drift: float = 2e-4  # random walk of the static tension: cable paid out, drift of the load cell [1/sqrt(s)]
 
     def rows(self) -> tuple[MeasurementRow, ...]:
         """Tell the tension less the static one."""

@@ -139,10 +139,9 @@ class EstimatorParameters:
     """The Kalman filter."""
 
     gate: float = parameter(25.0, "", 1.0, 1e6, "Normalised innovation squared above which a reading is rejected.")
-    gate_limit: int = parameter(100, "", 1, 100_000,
-        "Rejected readings in a row after which the sensor's next is accepted, with enlarged covariance.",
-    )  # fmt: skip
-    largest_age: float = parameter(1.0, "s", 0.0, 10.0, "Readings older than this on arrival are discarded.")
+    # rejected readings in a row after which the sensor's next is accepted, with enlarged covariance
+    gate_limit: int = 100
+    largest_age: float = 1.0  # readings older than this on arrival are discarded [s]
     sea_adaptation: bool = parameter(True,
         description="Adapt to the observed sea: its height scales the noise, a new period needs a new design.",
     )  # fmt: skip
@@ -158,8 +157,7 @@ class CraneModelParameters(CraneParameters):
 
     joints: tuple[str, ...] = parameter(JOINTS,
         description="Joints in crane/pose; others keep the reference pose.", choices=JOINTS)  # fmt: skip
-    pose_timeout: float = parameter(1.0, "s", 0.05, 60.0,
-        "Age above which the newest usable pose is stale; the last one is then held.")  # fmt: skip
+    pose_timeout: float = 1.0  # age above which the newest usable pose is stale; the last one is then held [s]
     # fastest that slew, luff or knuckle can turn: an angle that changes faster has jumped [rad/s]
     largest_turn_rate: float = 0.1
     # fastest that the boom can extend: an extension that changes faster has jumped [m/s]
