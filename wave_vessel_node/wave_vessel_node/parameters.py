@@ -43,7 +43,7 @@ class VesselAnswer:
 class VesselParameters(VesselAnswer):
     """How the vessel answers the sea."""
 
-    gain: float = parameter(1.0, "", 0.0, 10.0, "K_v: boom-tip heave per wave elevation at low frequency.")
+    gain: float = parameter(1.0, "", 1e-3, 10.0, "K_v: boom-tip heave per wave elevation at low frequency.")
     pitch_gain: float = parameter(0.0, "", 0.0, 5.0,
         "Pitch of the second-order vessel per wave slope at low frequency (odometry, lever-arm error).")  # fmt: skip
 
@@ -125,7 +125,7 @@ _WHERE = "after each of move_times; empty: unchanged."
 class PoseSensorParameters(SensorParameters):
     """Encoders of the crane's joints, read together. A scale, and a fault of one, is that of all of them."""
 
-    rate: float = parameter(20.0, "Hz", 1e-3, 10_000.0, "Samples per second.")
+    rate: float = parameter(20.0, "Hz", 0.01, 1000.0, "Samples per second.")
     angle_resolution: float = 0.0  # step of the measured angles [rad]; 0 means none
 
     def view(self, truth: Array) -> View:
@@ -251,16 +251,12 @@ class WaveVesselParameters(SeaParameters):
     spectrum_file: str = parameter("",
         description="Measured spectrum for spectrum = file: NDBC real-time or historical, or what wavespectra reads.",
     )  # fmt: skip
-    spectrum_record: int = parameter(0, "", 0, None,
-        "Index of the usable spectrum in the file, from 0 in order of time.")  # fmt: skip
     spectrum_time: str = parameter("",
-        description="Take the spectrum nearest to this time (UTC, like 1996-06-14T18:00); empty: by record.",
+        description="Take the spectrum nearest to this time (UTC, like 1996-06-14T18:00); empty: the first one.",
     )  # fmt: skip
     recording_file: str = parameter("",
-        description="Recording of the boom tip for boom_tip_source = file: CSV, or a bag (folder or .mcap).",
-    )  # fmt: skip
-    recording_topic: str = parameter("boom_tip",
-        description="Topic to read from a bag: boom_tip or mru (any namespace).")  # fmt: skip
+        description="Recording of the boom tip for boom_tip_source = file: CSV, or a bag (folder or .mcap) with topic "
+        "boom_tip, else mru.")  # fmt: skip
     accept_implausible: bool = parameter(False,
         description="Accept implausible values in sea, motion and RAO files.")  # fmt: skip
     filter: ShapingFilterParameters = group(ShapingFilterParameters)
