@@ -39,9 +39,6 @@ from winch_controller_node.parameters.model import (
     WinchModelParameters,
 )
 
-LEAST_NOISE = 1e-5
-"""Least noise of a sensor that is stated as perfect, in its own unit: a filter needs some."""
-
 
 def add_to_record(record: RunRecord, request: Request, show: Callable[[str, float | None], None]) -> list[str]:
     """See `heave_bringup.run.records.AddToRecord`: adds the bounds of kappa."""
@@ -127,16 +124,15 @@ def true_parameters(scenario: Scenario) -> WinchControllerParameters:
         sensors=replace(
             SensorsModelParameters(use=assumed.sensors.use),
             mru=MruModelParameters(
-                noise=max(mru.noise, LEAST_NOISE),
-                rate_noise=max(mru.rate_noise, LEAST_NOISE),
+                noise=mru.noise,
+                rate_noise=mru.rate_noise,
                 rate=mru.rate or 1.0 / scenario.run.tick_period,
                 latency=mru.latency,
                 high_pass_period=mru.high_pass_period,
-                high_pass_damping=mru.high_pass_damping,
             ),
-            depth=DepthModelParameters(noise=max(depth.noise, LEAST_NOISE), rate=depth.rate, latency=depth.latency),
-            encoder=EncoderModelParameters(noise=max(winch.encoder.resolution / math.sqrt(12.0), LEAST_NOISE)),
-            load_cell=LoadCellModelParameters(noise=max(cell.relative_noise, LEAST_NOISE), rate=cell.rate),
+            depth=DepthModelParameters(noise=depth.noise, rate=depth.rate, latency=depth.latency),
+            encoder=EncoderModelParameters(noise=winch.encoder.resolution / math.sqrt(12.0)),
+            load_cell=LoadCellModelParameters(noise=cell.noise, rate=cell.rate),
         ),
     )
 
