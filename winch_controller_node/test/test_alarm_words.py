@@ -14,12 +14,6 @@ from winch_controller_node.node_parameters import WinchControllerParameters
 from tests.core_parts import part
 
 
-def test_the_times_in_the_words_are_those_of_the_code():
-    """What follows of drum and encoder has none: the controller fills in what it does."""
-    assert GATES["bad_in_a_row"] == 3
-    assert "Three in a row" in ALARMS["SENSOR_DOUBTFUL, MRU: one reading"].consequence
-
-
 @pytest.mark.parametrize("sensor", ["mru", "encoder", "depth", "load_cell", "velocity", "imu"])
 @pytest.mark.parametrize("reason", [ABSENT, *filter(None, REASONS.values())])
 def test_a_sensor_has_a_row_for_what_it_can_be_lost_for_and_for_no_more(sensor, reason):

@@ -138,21 +138,6 @@ def check_used_again(run, sensor):
     assert run.seen[-1] == (SensorLevel.OK, "")
 
 
-def test_compensation_goes_on_without_a_depth_sensor_that_lies_and_with_it_once_it_is_right():
-    """Above a unit that is held still it reads noise, and its sign is not seen: fed back, it swings the unit up slowly.
-
-    It is known once that is above three times its noise of 2 cm, long before the unit moves as much as uncompensated.
-    """
-    run = Run(loop_with("depth", -1.0), "depth")
-    time, unit, off = (run.record.column(name) for name in ("time", "unit", "uncompensated"))
-    blind = (time > TURNS) & (time < WELL_AGAIN)
-    assert np.std(unit[blind]) < 0.5 * np.std(off[blind])
-    assert all(run.first(part) == np.inf for part in ("mru", "encoder", "cable"))
-    assert set(run.record.modes[round(TURNS / TICK) :]) == {"compensating"}
-    assert run.record.unit_sigma(TURNS) < 0.25 * run.record.uncompensated_sigma(TURNS)
-    check_used_again(run, "depth")
-
-
 def test_an_mru_that_turns_over_is_named_within_20_seconds_harms_nothing_and_is_used_again_once_it_is_right():
     """An MRU that is turned over may jump as well: what is lost is neither used nor blamed."""
     run = Run(loop_with("mru", -1.0), "mru")

@@ -5,7 +5,6 @@ import math
 
 import numpy as np
 import pytest
-from heave_core.law_table import Stage
 from heave_core.sense_table import NOISE_READINGS
 from heave_node.interface.sensors import MruReading
 from hypothesis import given, settings
@@ -129,25 +128,3 @@ def allocated():
     mallinfo = ctypes.CDLL(None).mallinfo2
     mallinfo.restype = Info
     return mallinfo().h
-
-
-def test_no_tick_allocates(design):
-    """The core's call alone, with a reading of each sensor."""
-    estimation = Sensing(design)
-    for number in range(1, 40):
-        mru, depths = [(0.0, 0.3 * math.sin(0.1 * number), 0.01 * number, 0)], [(0.1, 0.01 * number)]
-        given_ = delivered(number, mru, depths, [0.1], (0.0, 0.0, False))
-        estimation.step(number, given_, CommandShares(), unit_stands=False)
-    core, control = estimation._core, estimation.control
-
-    def grown(count):
-        before = allocated()
-        for _ in range(count):
-            control.given[0] += 1.0
-            core._delivered[:, 1] += DT
-            control.go_on(Stage.SENSE)
-        return allocated() - before
-
-    grown(100)
-    # Python itself may take a block meanwhile; one of malloc's has 32 bytes at least, and each tick would take one
-    assert min(grown(2000) for _ in range(5)) < 2000 * 32 / 2
