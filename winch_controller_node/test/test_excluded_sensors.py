@@ -77,26 +77,6 @@ def told(record, code):
     return [time for time, alarm in record.alarms if alarm.name == code]
 
 
-@pytest.mark.parametrize(
-    ("scenario", "mean", "seed"), [("b3_deep_900", 0.12, 2), ("b3_deep_900", 0.3, 1), ("b2_calm_300", 2.65, 1)]
-)
-def test_a_mean_of_the_heave_as_by_trim_is_found_and_the_unit_held_as_without_it(scenario, mean, seed):
-    """It was taken for a long swell: b3 with 0.3 m was 1.7 times worse off, the others were never compensated."""
-    fault = {"kind": ["jump"], "start": [0.0], "duration": [0.0], "magnitude": [mean]}
-    settings = [f"wave_vessel.mru.faults.{name}={value}" for name, value in fault.items()]
-    scenario = load_scenario(scenario, settings=["all.duration=160", f"all.seed={seed}", *settings])
-    run = Run(ClosedLoop(loop_parameters(scenario)))
-    record = run.record
-    # 12 cm for half a minute may as well be a long swell
-    assert run.first("mru") < 100.0
-    assert run.first("depth") == run.first("encoder") == np.inf
-    assert run.assumed[-1]["mru.offset"] == pytest.approx(mean, abs=0.04)
-    time, unit, off = (record.column(name) for name in ("time", "unit", "uncompensated"))
-    late = time > 110.0
-    # benchmarks B2 and B3: 1 cm of 25 to 40
-    assert np.std(unit[late]) < 0.04 * np.std(off[late])
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("scenario", "law", "amplitude", "period"),
