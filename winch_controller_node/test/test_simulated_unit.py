@@ -12,7 +12,6 @@ from winch_controller_node.model.blocks import CableModel, cable_block
 from winch_controller_node.model.estimator import KalmanEstimator
 from winch_controller_node.model.simulated_unit import cable_slack, unit_drag
 
-
 CABLE = CableModel(a=1.12, b=0.06, drag=0.2)
 """A unit of 12 t on 1,500 m of wire."""
 
