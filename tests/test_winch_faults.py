@@ -4,23 +4,14 @@ The winch has a supervision of its drive of 1 s. The sea has waves of 10 s: the 
 0.05 m/s for all but 0.5 s about each turn.
 """
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
-from cable_sim_node.node_parameters import CableSimNodeParameters, LinearModelParameters
-from cable_sim_node.parameters import UnitParameters
 from cable_sim_node.winch.parameters import WinchParameters
-from heave_bringup.closed_loop import ClosedLoop, LoopParameters
+from heave_bringup.closed_loop import ClosedLoop
 from heave_node.interface.codes import WinchFault
-from heave_node.parameters import build_parameters
-from wave_vessel_node.parameters import WaveVesselParameters
-from winch_controller_node.node_parameters import WinchControllerParameters
 
-from tests.loops import TICK, Stepped
+from tests.loops import TICK, Stepped, two_state_parameters
 
-INERTIA, DAMPING = 7.339769, 0.1906759
-"""The 900 m system of thesis 6.2.6 as identified there."""
 SUPERVISED, BEGIN = 1.0, 40.0
 
 
@@ -28,27 +19,8 @@ class Run(Stepped):
     """A loop that compensates from 15 s on; a fault of the winch begins at BEGIN."""
 
     def __init__(self, seed=1, supervised=SUPERVISED, **own):
-        values = {
-            "length": 900.0,
-            "cable_model.inertia": INERTIA,
-            "cable_model.damping": DAMPING,
-            "sea.significant_wave_height": 1.5,
-            "sea.peak_period": 10.0,
-            "modes.settling_time": 10.0,
-            "modes.fade_in_time": 5.0,
-            **own,
-        }
-        waves = {"significant_wave_height": 1.5, "peak_period": 10.0, "ramp": 10.0}
-        plant = CableSimNodeParameters(
-            model="linear", linear=LinearModelParameters(INERTIA, DAMPING), length=900.0, unit=UnitParameters()
-        )
-        parameters = LoopParameters(
-            sea=build_parameters(WaveVesselParameters, waves, where="test"),
-            plant=plant,
-            winch=replace(WinchParameters(), supervision_time=supervised),
-            controller=build_parameters(WinchControllerParameters, values, where="test"),
-            seed=seed,
-        )
+        winch = WinchParameters(supervision_time=supervised)
+        parameters = two_state_parameters(sea={"ramp": 10.0}, seed=seed, winch=winch, **own)
         super().__init__(ClosedLoop(parameters))
         self.go(BEGIN)
         assert self.modes[-1] == "compensating"
