@@ -146,19 +146,6 @@ def tip(duration=120.0):
     return boom_tip_realisation(sea, VesselModelParameters(), duration=duration, step=0.2, seed=1)
 
 
-def test_the_clairvoyant_leaves_nothing_without_limits_and_more_with_tighter_ones():
-    bounds = [actuator_bound(CableModel(7.0, 0.05), winch(10.0, a), tip(), 0.2) for a in (20.0, 0.5, 0.1)]
-    assert bounds[0] < 1e-4
-    assert bounds == sorted(bounds)
-
-
-def test_a_winch_that_cannot_move_leaves_the_uncompensated_motion():
-    still = actuator_bound(CableModel(2.0, 1.0), winch(1e-3, 1e-3), tip(), 0.2)
-    free = actuator_bound(CableModel(2.0, 1.0), winch(10.0, 20.0), tip(), 0.2)
-    assert still > 0.3
-    assert free < 1e-3 * still
-
-
 def test_all_of_a_record_counts_in_the_bound_of_the_actuator_its_ends_too():
     quiet, loud = 0.001 * tip(), tip()
     limits = winch(10.0, 0.1)

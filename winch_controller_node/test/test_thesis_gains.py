@@ -45,10 +45,6 @@ def test_uncontrolled_standard_deviation_is_the_thesis_0_255_m():
     assert output_sigma(thesis_loop())["unit_heave"] == pytest.approx(0.2551, abs=5e-5)
 
 
-def test_the_literal_equation_6_31_without_pi_gives_0_1439_m():
-    assert output_sigma(thesis_loop())["unit_heave"] / math.sqrt(math.pi) == pytest.approx(0.1439, abs=5e-5)
-
-
 def test_controlled_standard_deviation_at_q_over_r_554_is_2_96e_4_m():
     assert output_sigma(controlled())["unit_heave"] == pytest.approx(2.96e-4, rel=5e-3)
 
