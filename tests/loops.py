@@ -6,11 +6,17 @@ import math
 from collections.abc import Mapping
 
 import numpy as np
+from cable_sim_node.node_parameters import CableSimNodeParameters, LinearModelParameters
+from cable_sim_node.parameters import UnitParameters
+from cable_sim_node.winch.parameters import WinchParameters
 from heave_bringup.closed_loop import ClosedLoop, LoopParameters, LoopRecord, loop_parameters
 from heave_bringup.scenarios import load_scenario
 from heave_node.interface.alarm import Alarm, alarms_in
 from heave_node.kpi import window_ratios
+from heave_node.parameters import build_parameters
 from heave_studies.promise.run import blamed_by
+from wave_vessel_node.parameters import WaveVesselParameters
+from winch_controller_node.node_parameters import WinchControllerParameters
 
 FAULTS = {
     "mru": "wave_vessel.mru",
@@ -53,6 +59,42 @@ def quick_parameters(settings: Mapping[str, object], duration: float) -> LoopPar
     """Return those of a calm sea in which compensation begins soon, on a coarse cable; for a loop without adviser."""
     quick = {"winch_controller.modes.settling_time": 5, "wave_vessel.ramp": 5, "cable_sim.segments": 6}
     return parameters_of("b2_calm_300", {**quick, **settings}, transient=20.0, duration=duration)
+
+
+INERTIA, DAMPING = 7.339769, 0.1906759
+"""The 900 m system of thesis 6.2.6 as identified there."""
+
+
+def two_state_parameters(
+    height: float = 1.5,
+    period: float = 10.0,
+    *,
+    duration: float = 90.0,
+    seed: int = 1,
+    sea: Mapping[str, object] | None = None,
+    winch: WinchParameters | None = None,
+    **belief: object,
+) -> LoopParameters:
+    """Return those of the thesis's 900 m system on the two-state plant, in the sea that is assumed, begun soon."""
+    assumed = {
+        "length": 900.0,
+        "cable_model.inertia": INERTIA,
+        "cable_model.damping": DAMPING,
+        "sea.significant_wave_height": height,
+        "sea.peak_period": period,
+        "modes.settling_time": 10.0,
+        "modes.fade_in_time": 5.0,
+    } | belief
+    waves = {"significant_wave_height": height, "peak_period": period, "ramp": 20.0} | dict(sea or {})
+    linear = LinearModelParameters(INERTIA, DAMPING)
+    return LoopParameters(
+        sea=build_parameters(WaveVesselParameters, waves, where="test"),
+        plant=CableSimNodeParameters(model="linear", linear=linear, length=900.0, unit=UnitParameters()),
+        winch=winch or WinchParameters(),
+        controller=build_parameters(WinchControllerParameters, assumed, where="test"),
+        duration=duration,
+        seed=seed,
+    )
 
 
 def heave_of(record: LoopRecord) -> np.ndarray:

@@ -221,28 +221,6 @@ def test_a_drum_at_the_end_of_its_range_or_below_its_dead_zone_is_no_fault():
     assert (still.state.fault, still.state.payout) == (WinchFault.NONE, 0.0)
 
 
-def test_an_encoder_counted_twice_reads_twice():
-    bench = Bench()
-    bench.winch.encoder.faults.inject("scale", start=0.0, magnitude=2.0)
-    bench.run(2.0, rate=0.2)
-    assert bench.state.encoder_payout == pytest.approx(2.0 * bench.state.payout, abs=1e-3)
-
-
-def test_a_controller_that_is_started_again_takes_the_winch_over():
-    """Its commands are numbered from 1 again. The watchdog has stopped the drum; it follows after a brake request."""
-    bench = Bench()
-    bench.run(2.0, rate=0.3)
-    for _ in range(40):
-        bench.winch.step(bench.winch.tick, None, TENSION)
-    assert (bench.state.fault, bench.state.brake) == (WinchFault.COMMAND_TIMEOUT, True)
-    bench.number = 0
-    bench.number += 1
-    bench.winch.step(bench.winch.tick, WinchCommand(1, 0.0, 0.0, True), TENSION)
-    bench.run(2.0, rate=0.3)
-    assert bench.state.fault is WinchFault.NONE
-    assert bench.state.payout_rate == pytest.approx(0.3, rel=1e-3)
-
-
 def test_the_alarm_of_a_drive_that_its_open_brake_has_tripped_does_not_say_that_the_brake_is_on():
     bench = Bench(supervision_time=SUPERVISED)
     bench.run(1.0, brake=True)

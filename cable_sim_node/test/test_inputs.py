@@ -6,7 +6,6 @@ import math
 
 import numpy as np
 import pytest
-from cable_sim_node.alarms import ALARMS
 from cable_sim_node.inputs import CLOSING_TIME, LONGEST_EXTRAPOLATION, BridgedInput, NewestMotion, ShadowPayout
 from heave_node.numerics.kinematics import PointMotion
 
@@ -110,9 +109,3 @@ def test_newest_motion_is_given_as_it_is_at_its_own_time_and_carried_forward_unt
     assert later.position[0] == pytest.approx(2.0 + 0.5 * 0.2 - 0.1 * 0.2**2)
     assert later.velocity[0] == pytest.approx(0.46)
     assert newest.at(1.0 + LONGEST_EXTRAPOLATION + 0.01) is None
-
-
-def test_the_times_in_the_alarm_of_a_missing_input_are_those_of_the_code() -> None:
-    words = ALARMS["PLANT_INPUT_MISSING"].consequence
-    assert f"time constant of {CLOSING_TIME:g} s" in words
-    assert f"up to {LONGEST_EXTRAPOLATION:g} s old" in words

@@ -131,12 +131,6 @@ def test_the_drag_at_the_unit_takes_the_power_that_all_parts_take():
     assert drag_at_unit(line, length) == pytest.approx(3_000.0 + of_clump + of_cable, rel=1e-6)
 
 
-def test_larger_waves_are_damped_more():
-    omega = natural_frequencies(LINE, 900.0, 1)
-    peaks = [abs(heave_transfer_function(LINE, 900.0, omega, amplitude=a).unit_heave[0]) for a in (0.1, 0.5, 2.0)]
-    assert peaks[0] > peaks[1] > peaks[2] > 1.0
-
-
 def test_the_rough_resonant_length_is_exact_for_a_light_cable():
     # thesis 3.3.5: L = EA/(w^2 (M + Ma))
     light = AxialLine((AxialSection(math.inf, STIFFNESS, 1e-6, 1.0),), AxialUnit(INERTIA, 5e4))

@@ -22,9 +22,3 @@ def test_example_runs(capsys: pytest.CaptureFixture[str]) -> None:
     exec(example.group(1).replace("print(", "result = ("), scope := {})
     tension, _ = scope["result"]
     assert tension == pytest.approx(36516.6, abs=1.0)
-
-
-def test_every_picture_is_there() -> None:
-    pictures = re.findall(r"\]\((pictures/.*?)\)", README)
-    assert len(pictures) == 5
-    assert all((Path(__file__).parents[1] / picture).is_file() for picture in pictures)

@@ -22,7 +22,7 @@ from cable_sim_node.sensors.instruments import (
 from cable_sim_node.sensors.suite import SensorSuite
 from heave_node.interface.faults import FaultParameters
 from heave_node.interface.sensors import SENSORS, Reading
-from heave_node.parameters import ParameterError, build_parameters, flatten
+from heave_node.parameters import ParameterError, build_parameters
 from heave_node.sensing.sensor import Sensor
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -225,13 +225,6 @@ def test_wrong_sensor_parameters_are_refused_in_one_line(values: dict[str, objec
         build_parameters(SensorsParameters, values, where="my.yaml: cable_sim")
     assert message in str(raised.value)
     assert "\n" not in str(raised.value)
-
-
-def test_defaults_are_the_sensors_of_the_benchmarks() -> None:
-    values = flatten(SensorsParameters())
-    # BENCHMARKS "Sensors": depth 2 cm at 10 Hz, 0.1 s late; load cell 0.5 %.
-    assert (values["depth.noise"], values["depth.rate"], values["depth.latency"]) == (0.02, 10.0, 0.1)
-    assert values["load_cell.noise"] == 0.005
 
 
 QUIET = SensorsParameters(

@@ -510,17 +510,6 @@ def test_no_command_sequence_makes_the_winch_exceed_its_limits(
     assert state.brake, "without commands it always ends at rest with the brake on"
 
 
-def test_jitter_moves_each_command_within_its_bounds_and_lets_none_overtake() -> None:
-    jittering = dataclasses.replace(IDEAL, command_delay=0.5, command_jitter=0.2)
-    winch, again = (VirtualWinch(jittering, tick_period=TICK, seed=3) for _ in range(2))
-    steady = VirtualWinch(dataclasses.replace(IDEAL, command_delay=0.5), tick_period=TICK)
-    usual, taken = (np.array([state.command_sequence for state in run(one, 2000)]) for one in (steady, winch))
-    behind = usual - taken
-    assert winch.refused_commands == 0
-    assert -0.2 / TICK <= behind.min() < 0 < behind.max() <= 0.2 / TICK
-    assert [state.command_sequence for state in run(again, 2000)] == taken.tolist()
-
-
 def test_creep_moves_the_drum_at_a_set_point_of_zero_but_not_under_the_brake() -> None:
     winch = VirtualWinch(dataclasses.replace(IDEAL, creep=0.02), tick_period=TICK)
     assert run(winch, 100)[-1].payout_rate == pytest.approx(0.02)

@@ -61,13 +61,6 @@ def test_another_field_or_kind_makes_another_layout_and_another_meaning_does_not
         assert (layout.layout_number() == before) is is_same
 
 
-def test_every_field_is_where_cpp_has_it():
-    """Doubles first seen at multiples of eight: nothing is padded but what the table names."""
-    for structure in layout.STRUCTURES:
-        dtype = dtype_of(structure)
-        assert dtype.itemsize == sum(dtype[name].itemsize for name in dtype.names)
-
-
 def test_a_design_without_a_value_or_with_an_unknown_one_is_refused():
     record = np.zeros(1, dtype_of(DRUM))
     with pytest.raises(ValueError, match=r"missing \['rate'\], unknown \['speed'\]"):

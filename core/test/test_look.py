@@ -8,9 +8,6 @@ import math
 
 import numpy as np
 import pytest
-from heave_core import layout, look_table
-from heave_core.filter_table import STATES
-from heave_core.library import dtype_of
 from heave_core.look import Look, Motions, padded
 from heave_core.look_table import Harm
 from hypothesis import assume, given
@@ -18,7 +15,6 @@ from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 from scipy.signal import cont2discrete, lfilter
 
-from tests.allocation import allocates
 from tests.core_parts import HangingUnit, RunningSigma, part
 from tests.supervised import Guard, Seen
 
@@ -225,11 +221,6 @@ def test_another_sea_begins_with_a_boom_tip_that_has_not_moved():
     assert looked.step(**given).wave_share == 0.0
 
 
-def test_a_model_with_more_states_than_fit_is_refused_in_one_sentence():
-    with pytest.raises(ValueError, match=r"^loop: 97 states, and at most 96 fit: use longer ticks"):
-        padded(np.zeros(STATES + 1))
-
-
 def test_a_running_sigma_is_the_low_pass_of_scipy_once_the_plain_average_is_over():
     """Both weights are beyond 1/count from the 61st value on: then the recursions are filters of the first order."""
     rng, weight, slow = np.random.default_rng(4), DT / 1.0, DT / 3.0
@@ -391,32 +382,6 @@ def test_depth_sensor_and_estimate_are_compared_again_after_a_correction():
     assert guard.verdict.mismatch > 0.5
     guard.reset_mismatch()
     assert guard.step(Seen(free=0.1, measured=0.9), 1.0, 1.0, inhibits=False).mismatch == 0.0
-
-
-def test_the_values_of_python_are_the_rows_of_the_table():
-    names = {one.name: [row.name for row in one.rows] for one in layout.STRUCTURES}
-    assert names["Seen"][: len(Seen._fields)] == list(Seen._fields)
-    assert dtype_of(look_table.SEEN).itemsize == 8 * (len(Seen._fields) + 3)
-
-
-def test_no_step_of_the_library_allocates():
-    """Called on the same addresses, without what Python makes of the results."""
-    looked, guard = moved()[0], a_guard()
-    guard.step(Seen(), 1.0, 1.0, inhibits=False)
-    given = np.ones(ORDER), np.ones(ORDER), np.eye(ORDER)
-    looks = np.array([one.ctypes.data for one in given], np.uintp)
-    records = guard.design, guard.attempt_design, guard.state, guard.attempts
-    guarded = np.array([one.ctypes.data for one in records], np.uintp)
-    step, judge = part("look"), part("judge_attempt")
-    at = [one.ctypes.data for one in (looked.design, looked.state, looked.inputs, looks, looked.motions)]
-    judged = guarded.ctypes.data, (0.0,) * len(look_table.SEEN.rows), False, guard.found.ctypes.data
-
-    def go():
-        step(*at)
-        judge(*judged)
-
-    go()
-    assert not allocates(go)
 
 
 motion = st.tuples(st.floats(-2.0, 2.0), st.floats(-2.0, 2.0))

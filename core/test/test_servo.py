@@ -5,7 +5,6 @@ import math
 import numpy as np
 import pytest
 from heave_core.watch import Drum, DrumOrders, drum_records, run_of, sent_points
-from heave_core.watch_table import SERVO
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
@@ -36,10 +35,6 @@ def record(drum, rates, *, payouts=NOTHING, tensions=UNKNOWN, start=(0.0, 0.0), 
     """Return the readings of one drum."""
     drums = np.array([drum], dtype=float)
     return drum_records(sent_points(payouts, rates, late, tensions), drums, np.array([start]), gain, COUNT, DT)[0]
-
-
-def test_the_fields_of_a_drum_are_the_rows_of_its_table():
-    assert Drum._fields == tuple(row.name for row in SERVO.rows)
 
 
 @settings(max_examples=40, deadline=None)

@@ -4,25 +4,20 @@ import math
 
 import numpy as np
 import pytest
-from heave_core import layout, watch
-from heave_core.watch import Drum, KpiRing, LandingWatch, Link, LoadRecord, WinchRecord, run_of
+from heave_core.watch import KpiRing, LandingWatch, Link, LoadRecord
 from heave_core.watch_table import Landed, LoadNews
 from hypothesis import given
 from hypothesis import strategies as st
 from scipy.signal import lfilter
 
-from tests.allocation import allocates
 from tests.core_parts import (
-    COUNT,
     add_depth,
     add_to_window,
     judge_landing,
     note_command,
     observe_landing,
-    part,
     trend_of,
     watch_load,
-    watch_winch,
 )
 
 DT = 0.05
@@ -168,12 +163,6 @@ def test_a_standing_unit_is_lifted_off_once_the_cable_carries_more_than_its_weig
     assert (flag(landing, "unit_stands"), flag(landing, "is_lifting")) == (0.0, 0.0)
 
 
-def test_the_values_of_python_are_the_rows_of_the_tables():
-    names = {one.name: [row.name for row in one.rows] for one in layout.STRUCTURES}
-    assert names["LandingState"][watch.FLAGS - 1] == "event"
-    assert len(names["KpiRow"]) == 8
-
-
 LINK = {"minute": 50, "window": 9, "late_ticks": 2, "tick_period": DT, "largest_share": 0.1, "cut_time": 0.5}
 LINK |= {"memory": 3.0, "rounding": 1e-6}
 DELAY = 4
@@ -217,19 +206,3 @@ def test_a_cause_is_reported_where_it_was_away_for_long_and_limits_are_averaged_
         quiet |= {cause: 0.0 if is_there else quiet[cause] + DT for cause, is_there in there.items()}
         assert watch_load(record, tension, 100e3, is_at_limit=is_at_limit) == wanted
         assert record.state["at_limit"][0] == pytest.approx(share)
-
-
-def test_the_watches_of_a_tick_allocate_nothing():
-    drum = {"kept": 60, "ahead": 5, "checked": 20, "ordered": 10, "least_seen": 0.8, "settled": 5.0}
-    drum |= {"least_motion": 0.004, "run": run_of(0.0, DT)[0], "assumed": Drum(0.15, 0.2), "nominal": Drum(0.15, 0.2)}
-    others = {"delay": 0.2, "modelled": 0.2}
-    winch = WinchRecord({"drum": drum, "link": LINK, **others})
-    for tick in range(100):
-        watch_winch(winch, True, tick, False, False, tick + 6, 0.0, 0.3, False, 0.3 * DT * tick, math.nan)
-    watch, load = part("watch_load", result=COUNT), LoadRecord(LOADED)
-    at = load.records["load"].ctypes.data, load.state.ctypes.data
-    rows = winch.records["drum_rows"], winch.records["drum_work"]
-    on = winch.design, winch.state, rows, winch.link.kept, np.array([1.0, 1e2, 0.0, 0.0, 1e2, 0.0, 0.3, 0.0, 0.0, 0.0])
-    steps = [(part("watch_winch"), on), (watch, (*at, 1e5, 1e5, False))]
-    assert winch.link.state["overdue"][0] > 0.0
-    assert not allocates(lambda: [step(*at) for step, at in steps] and None)

@@ -24,6 +24,7 @@ from winch_controller_node.beliefs.beliefs import (
 )
 from winch_controller_node.beliefs.quantities import with_value
 from winch_controller_node.core.component import WinchController
+from winch_controller_node.core.restarts import MEMORIES, RESTARTS, Event, restart
 from winch_controller_node.core.supervision.rolling_kpi import KpiWindow
 from winch_controller_node.design.design import design_controller
 from winch_controller_node.interface.readings import Measurements
@@ -414,3 +415,27 @@ def test_a_window_of_figures_counts_the_limits_of_each_tick():
         window.take_winch(winch)
         add_to_window(window._ring, 0.0, 0.0, 0.0, 0.0, 0.9, 0.0, 1e4, 0.0)
     assert window.figures().time_at_limit == pytest.approx(0.25)
+
+
+# the table of restarts
+
+
+@pytest.mark.parametrize("event", Event)
+def test_an_event_restarts_the_memories_of_its_row_in_their_order_and_no_other(event, monkeypatch):
+    noted = []
+    for memory in MEMORIES:
+        monkeypatch.setitem(MEMORIES, memory, lambda core, memory=memory: noted.append((core, memory)))
+    core = SimpleNamespace()
+    restart(core, event)
+    assert noted == [(core, memory) for memory in RESTARTS[event]]
+
+
+def test_every_memory_has_its_event_and_every_event_its_row():
+    assert set(RESTARTS) == set(Event)
+    assert {memory for row in RESTARTS.values() for memory in row} == set(MEMORIES)
+
+
+def test_every_memory_is_one_of_a_controller():
+    controller = WinchController(WinchControllerParameters(), tick_period=0.05)
+    for event in Event:
+        restart(controller, event)

@@ -6,8 +6,6 @@ from functools import lru_cache
 
 import numpy as np
 import pytest
-from cable_sim_node.node_parameters import CableSimNodeParameters, LinearModelParameters
-from cable_sim_node.parameters import UnitParameters
 from cable_sim_node.winch.parameters import WinchParameters
 from heave_bringup.closed_loop import COLUMNS, ClosedLoop, LoopParameters
 from heave_bringup.closed_loop import loop_parameters as parameters_of
@@ -15,45 +13,17 @@ from heave_bringup.scenarios import load_scenario
 from heave_node.interface.alarm import Severity
 from heave_node.interface.codes import WinchFault
 from heave_node.interface.faults import FaultParameters
-from heave_node.interface.sensors import MruReading
-from heave_node.parameters import build_parameters
-from wave_vessel_node.parameters import WaveVesselParameters
 from winch_controller_node.adviser.record import Record
 from winch_controller_node.core.component import WinchController
 from winch_controller_node.core.supervision.modes import ModeError
-from winch_controller_node.interface.readings import Measurements, ScalarReading, WinchReading
+from winch_controller_node.interface.readings import Measurements
 from winch_controller_node.model.lqr import DesignError
 from winch_controller_node.node_parameters import WinchControllerParameters
 
+from tests.loops import two_state_parameters
 from tests.supervised import HARMFUL
 
 DT = 0.05
-INERTIA, DAMPING = 7.339769, 0.1906759
-"""The 900 m system of thesis 6.2.6 as identified there."""
-
-
-def loop_parameters(*, height=1.5, period=10.0, duration=90.0, seed=1, sea=None, **controller):
-    values = {
-        "length": 900.0,
-        "cable_model.inertia": INERTIA,
-        "cable_model.damping": DAMPING,
-        "sea.significant_wave_height": height,
-        "sea.peak_period": period,
-        "modes.settling_time": 10.0,
-        "modes.fade_in_time": 5.0,
-    } | controller
-    waves = {"significant_wave_height": height, "peak_period": period, "ramp": 20.0} | (sea or {})
-    plant = CableSimNodeParameters(
-        model="linear", linear=LinearModelParameters(INERTIA, DAMPING), length=900.0, unit=UnitParameters()
-    )
-    return LoopParameters(
-        sea=build_parameters(WaveVesselParameters, waves, where="test"),
-        plant=plant,
-        winch=WinchParameters(),
-        controller=build_parameters(WinchControllerParameters, values, where="test"),
-        duration=duration,
-        seed=seed,
-    )
 
 
 def test_no_move_of_the_programme_begins_while_the_mru_is_lost_and_one_under_way_ends_and_is_told_once():
@@ -61,7 +31,7 @@ def test_no_move_of_the_programme_begins_while_the_mru_is_lost_and_one_under_way
     programme = {"move_times": [30.0, 45.0], "move_payouts": [6.0, 6.0], "move_speeds": [0.2, 0.12]}
     controller = {f"programme.{key}": value for key, value in programme.items()}
     sea = mru_fault("gap", 40.0, 20.0)
-    record = ClosedLoop(loop_parameters(duration=75.0, sea=sea, **controller)).run()
+    record = ClosedLoop(two_state_parameters(duration=75.0, sea=sea, **controller)).run()
     set_point, time = record.column("depth_set_point"), record.column("time")
     faded = next(begun for begun, alarm in record.alarms if alarm.values.get("mode") == "fade_out")
     assert 40.0 < faded < 43.0
@@ -82,7 +52,7 @@ def test_a_move_of_the_programme_that_is_due_before_the_winch_compensates_is_tol
     """The next one takes its place, as in a run that goes on."""
     programme = {"move_times": [2.0, 4.0], "move_payouts": [3.0, 5.0], "move_speeds": [0.2, 0.2]}
     record = ClosedLoop(
-        loop_parameters(duration=70.0, **{f"programme.{key}": value for key, value in programme.items()})
+        two_state_parameters(duration=70.0, **{f"programme.{key}": value for key, value in programme.items()})
     ).run()
     first, second = [alarm for time, alarm in record.alarms if time < 5.0]
     assert first.code == second.code == "PROGRAMME_WAITS"
@@ -100,7 +70,7 @@ def mru_fault(kind, start, duration):
 @pytest.fixture(scope="module")
 def run_by():
     """Return a function that gives the record of 70 s in which all is as assumed, by a law; each is run once."""
-    return lru_cache(lambda law: ClosedLoop(loop_parameters(law=law, duration=70.0)).run())
+    return lru_cache(lambda law: ClosedLoop(two_state_parameters(law=law, duration=70.0)).run())
 
 
 @pytest.mark.parametrize("law", ["mpc", "lqg"])
@@ -115,7 +85,7 @@ def test_prediction_makes_the_feed_forward_follow_the_boom_tip():
     """Without prediction the winch is 0.35 s late: 2 sin(0.35 w/2), about a quarter of a sea around 0.7 rad/s."""
     left = {}
     for name, predicts in (("read", False), ("predicted", True)):
-        parameters = loop_parameters(law="feedforward", duration=70.0, **{"feedforward.prediction": predicts})
+        parameters = two_state_parameters(law="feedforward", duration=70.0, **{"feedforward.prediction": predicts})
         record = ClosedLoop(parameters).run()
         tip = record.column("boom_tip", after=30.0)
         left[name] = float(np.std(tip - record.column("payout", after=30.0)) / np.std(tip))
@@ -123,15 +93,9 @@ def test_prediction_makes_the_feed_forward_follow_the_boom_tip():
     assert left["predicted"] < 0.5 * left["read"]
 
 
-def test_two_loops_of_one_seed_are_equal_to_the_last_bit_and_another_seed_differs():
-    one, two, other = (ClosedLoop(loop_parameters(duration=25.0, seed=seed)).run() for seed in (3, 3, 4))
-    np.testing.assert_array_equal(one.rows, two.rows)
-    assert np.any(one.rows != other.rows)
-
-
 def record_with_encoder_fault(kind, start, magnitude, *, duration):
     """Return the record of a run in which the encoder has a fault from `start` [s] to the end."""
-    parameters = loop_parameters(duration=duration)
+    parameters = two_state_parameters(duration=duration)
     fault = FaultParameters(kind=(kind,), start=(start,), duration=(0.0,), magnitude=(magnitude,))
     encoder = dataclasses.replace(parameters.winch.encoder, faults=fault)
     winch = dataclasses.replace(parameters.winch, encoder=encoder)
@@ -141,7 +105,7 @@ def record_with_encoder_fault(kind, start, magnitude, *, duration):
 @pytest.mark.parametrize(("winch", "jump"), [("position loop", -8.0), ("first order", 2.0)])
 def test_a_drive_that_counts_by_the_encoder_does_not_follow_its_jump_and_nothing_is_found_wrong(winch, jump):
     """An order in the new count takes effect after 0.25 s. Held against the old count, the drum went the whole jump."""
-    parameters = loop_parameters(duration=60.0, **{"winch.position_gain": 0.5})
+    parameters = two_state_parameters(duration=60.0, **{"winch.position_gain": 0.5})
     drive = WinchParameters(position_gain=0.5)
     if winch == "first order":
         parameters = dataclasses.replace(thesis_parameters(), duration=60.0)
@@ -170,7 +134,7 @@ def test_a_load_cell_in_use_is_heard_also_where_the_weight_of_the_unit_is_not_kn
     def watch(tick, outputs):
         heard.append(outputs.report.nis[outputs.report.measurement_names.index("tension")])
 
-    record = ClosedLoop(loop_parameters(law="lqg", duration=70.0, **use)).run(watch)
+    record = ClosedLoop(two_state_parameters(law="lqg", duration=70.0, **use)).run(watch)
     assert np.count_nonzero(np.isfinite(heard)) > 0.95 * len(heard)
     # chi square of one degree: its mean is 1; refused readings would raise it
     assert np.nanmean(heard[600:]) < 1.5
@@ -188,7 +152,7 @@ def test_the_units_motion_is_not_told_where_no_sensor_tells_it(sensors, is_known
             told[tick * DT] = outputs.kpi
 
     sea = mru_fault("gap", 40.0, 100.0)
-    ClosedLoop(loop_parameters(law="lqg", sea=sea, duration=60.0, **{"sensors.use": list(sensors)})).run(watch)
+    ClosedLoop(two_state_parameters(law="lqg", sea=sea, duration=60.0, **{"sensors.use": list(sensors)})).run(watch)
     before, after = (next(kpi for time, kpi in told.items() if time > begin) for begin in (35.0, 58.0))
     assert math.isfinite(before.unit_sigma)
     assert math.isfinite(before.unit_efficiency)
@@ -197,7 +161,7 @@ def test_the_units_motion_is_not_told_where_no_sensor_tells_it(sensors, is_known
 
 
 def lost_commands(start: float, duration: float) -> LoopParameters:
-    parameters = loop_parameters(duration=start + 50.0)
+    parameters = two_state_parameters(duration=start + 50.0)
     faults = FaultParameters(kind=("gap",), start=(start,), duration=(duration,), magnitude=(0.0,))
     return dataclasses.replace(parameters, winch=dataclasses.replace(parameters.winch, faults=faults))
 
@@ -217,7 +181,7 @@ def test_a_latched_fault_is_left_also_where_states_of_the_winch_miss_their_tick(
 
 def test_an_emergency_stop_brakes_within_the_deceleration_of_the_winch():
     """From at most 2 m/s at 1.5 m/s^2, after the command delay of 0.2 s."""
-    loop = ClosedLoop(loop_parameters(duration=60.0))
+    loop = ClosedLoop(two_state_parameters(duration=60.0))
     for _ in range(600):
         loop.step()
     loop.controller.set_mode("emergency_stop")
@@ -231,23 +195,8 @@ def test_an_emergency_stop_brakes_within_the_deceleration_of_the_winch():
     assert loop.winch.state.fault is WinchFault.NONE
 
 
-def test_a_move_lowers_the_unit_while_it_is_compensated():
-    loop = ClosedLoop(loop_parameters(duration=60.0))
-    for _ in range(500):
-        loop.step()
-    loop.controller.move_to_payout(3.0, 0.3)
-    rows = np.array([loop.step()[1] for _ in range(850)])
-    start, end = rows[0, 2], np.mean(rows[-100:, 2])
-    # the stretch of 3 m more cable adds its share: below 1 %
-    assert start - end == pytest.approx(3.0, abs=0.05)
-    # a drive that follows the payout alone would be where this one is, a lag and a delay of 0.35 s behind
-    (outputs, _), drum = loop.step(), loop.winch.state
-    assert outputs.order.payout == pytest.approx(drum.payout, abs=0.35 * 0.5 + 0.1)
-    assert np.std(rows[-200:, 2]) < 0.01
-
-
 def test_compensation_that_cannot_begin_now_is_refused_to_an_operator_and_does_not_begin_later():
-    controller = WinchController(loop_parameters(**{"modes.start": "standby"}).controller, tick_period=DT)
+    controller = WinchController(two_state_parameters(**{"modes.start": "standby"}).controller, tick_period=DT)
     for tick in range(1, 100):
         controller.step(tick, Measurements())
     with pytest.raises(ModeError, match="mode compensating cannot begin now: mru"):
@@ -256,7 +205,7 @@ def test_compensation_that_cannot_begin_now_is_refused_to_an_operator_and_does_n
 
 
 def test_a_mode_that_is_on_its_way_is_told_as_such():
-    loop = ClosedLoop(loop_parameters(duration=60.0))
+    loop = ClosedLoop(two_state_parameters(duration=60.0))
     for _ in range(500):
         loop.step()
     assert loop.controller.ask_for_mode("compensating") == "compensating"
@@ -273,30 +222,11 @@ def test_a_mode_that_is_on_its_way_is_told_as_such():
 
 
 def test_moves_out_of_reach_or_without_compensation_are_refused_in_words():
-    controller = WinchController(loop_parameters().controller, tick_period=DT)
+    controller = WinchController(two_state_parameters().controller, tick_period=DT)
     with pytest.raises(ModeError, match="needs the depth sensor"):
         controller.move_to_depth(10.0)
     with pytest.raises(ModeError, match="the winch reaches -49 to 49 m"):
         controller.move_to_payout(60.0)
-
-
-def test_rubbish_from_every_sensor_never_becomes_a_rubbish_command():
-    controller = WinchController(loop_parameters().controller, tick_period=DT)
-    random = np.random.default_rng(1)
-    rubbish = [math.nan, math.inf, -math.inf, 1e30, -1e200, 0.0, -5.0]
-    for tick in range(1, 400):
-        a, b, c, d = (rubbish[i] for i in random.integers(0, len(rubbish), 4))
-        outputs = controller.step(
-            tick,
-            Measurements(
-                mru=(MruReading(a, b, c, d, a),),
-                scalar={"depth": (ScalarReading(b, c),), "load_cell": (ScalarReading(tick * DT, d),)},
-                winch=WinchReading(c, d, a, brake=False),
-            ),
-        )
-        assert math.isfinite(outputs.order.payout)
-        assert abs(outputs.order.payout_rate) <= 2.0
-        assert all(math.isfinite(value) for value in outputs.report.estimate)
 
 
 IMPOSSIBLE = [
@@ -360,7 +290,7 @@ def test_a_redesign_goes_on_without_a_step(sea):
 
     Two commands a tick apart differ by what the sea asks for: speed servo and sea stay below 1.5 m/s^2.
     """
-    loop = ClosedLoop(loop_parameters(duration=60.0))
+    loop = ClosedLoop(two_state_parameters(duration=60.0))
     for _ in range(500):
         before, _ = loop.step()
     parameters = loop.controller.parameters
@@ -373,7 +303,7 @@ def test_a_redesign_goes_on_without_a_step(sea):
 
 
 def test_an_identified_winch_that_cannot_be_designed_for_is_an_alarm_and_the_loop_goes_on(monkeypatch):
-    loop = ClosedLoop(dataclasses.replace(loop_parameters(), winch=WinchParameters(time_constant=0.08)))
+    loop = ClosedLoop(dataclasses.replace(two_state_parameters(), winch=WinchParameters(time_constant=0.08)))
 
     def refuse(parameters, length):
         raise DesignError("no gain for that winch")
@@ -393,7 +323,7 @@ def test_a_winch_as_believed_is_left_alone(run_by):
 @pytest.mark.parametrize(("law", "plans"), [("lqg", True), ("mpc", True), ("lqr", False), ("feedforward", False)])
 def test_the_loop_is_kept_in_a_sea_beyond_the_winch_and_a_law_that_plans_takes_all_of_it(law, plans):
     """Hs 3 m at 8 s asks for more than 1.5 m/s^2: other laws are given a smaller share; none is worse than off."""
-    record = ClosedLoop(loop_parameters(law=law, height=3.0, period=8.0, duration=90.0)).run()
+    record = ClosedLoop(two_state_parameters(law=law, height=3.0, period=8.0, duration=90.0)).run()
     share = min(record.column("authority", after=60.0))
     assert share == 1.0 if plans else share < 0.9
     assert record.unit_sigma(40.0) < record.uncompensated_sigma(40.0)
@@ -408,7 +338,7 @@ def test_a_lost_loop_is_given_up_before_the_unit_swings_and_the_winch_comes_to_r
 
     The envelope comes first where the orders grow beyond the ship's own motion before the unit moves more than locked.
     """
-    parameters = loop_parameters(law=law, duration=120.0, **UNLEARNT)
+    parameters = two_state_parameters(law=law, duration=120.0, **UNLEARNT)
     record = ClosedLoop(dataclasses.replace(parameters, winch=WinchParameters(time_constant=0.8))).run()
     codes = {alarm.name for _, alarm in record.alarms}
     assert codes & (HARMFUL | {"ORDER_REPLACED: too fast", "ORDER_REPLACED: too far", "DRUM_OFF_ORDER: distance"})
@@ -421,15 +351,8 @@ def test_a_lost_loop_is_given_up_before_the_unit_swings_and_the_winch_comes_to_r
     assert np.max(np.abs(np.diff(record.column("payout_rate")))) <= 1.5 * DT + 1e-9
 
 
-def test_the_regulator_of_the_unit_alone_compensates_and_does_no_harm_where_it_takes_the_winch_to_its_limits():
-    """Without limits it would leave 12 % here (stationary prediction); its authority is what the winch bears."""
-    record = ClosedLoop(loop_parameters(law="lqr", duration=110.0)).run()
-    assert not {alarm.name for _, alarm in record.alarms} & HARMFUL
-    assert record.unit_sigma(60.0) < 0.5 * record.uncompensated_sigma(60.0)
-
-
 def test_the_mean_moves_and_a_stopped_winch_stays_under_a_position_loop():
-    parameters = loop_parameters(duration=80.0, **{"winch.position_gain": 0.5})
+    parameters = two_state_parameters(duration=80.0, **{"winch.position_gain": 0.5})
     loop = ClosedLoop(dataclasses.replace(parameters, winch=WinchParameters(position_gain=0.5)))
     for _ in range(500):
         loop.step()
@@ -449,9 +372,9 @@ def test_the_mean_moves_and_a_stopped_winch_stays_under_a_position_loop():
 @pytest.mark.parametrize("winch", ["speed servo", "position loop", "first order"])
 def test_a_controller_that_is_started_anew_compensates_where_the_drum_stands(winch):
     """It took payout and depth for contradictions, and compensation for harm, for minutes: the drum was not at 0."""
-    parameters = loop_parameters(duration=80.0)
+    parameters = two_state_parameters(duration=80.0)
     if winch == "position loop":
-        parameters = loop_parameters(duration=80.0, **{"winch.position_gain": 0.5})
+        parameters = two_state_parameters(duration=80.0, **{"winch.position_gain": 0.5})
         parameters = dataclasses.replace(parameters, winch=WinchParameters(position_gain=0.5))
     elif winch == "first order":
         parameters = thesis_parameters()
@@ -499,7 +422,7 @@ def test_an_encoder_that_counts_from_elsewhere_is_none_at_fault(zero):
 
 
 def test_one_reading_of_the_encoder_alone_does_not_say_where_the_drum_stands():
-    loop = ClosedLoop(loop_parameters(duration=70.0))
+    loop = ClosedLoop(two_state_parameters(duration=70.0))
     step, is_first = loop.controller.step, iter([True])
 
     def with_first_spike(tick, measured):
@@ -515,16 +438,6 @@ def test_one_reading_of_the_encoder_alone_does_not_say_where_the_drum_stands():
 
 def thesis_parameters():
     return parameters_of(load_scenario("b1_thesis", settings=["all.seed=1", "all.duration=90.0"]))
-
-
-def test_the_thesis_system_is_compensated_and_the_guard_leaves_it_alone():
-    """B1, thesis 6.3.6: a first-order winch without delay, whose speed is K (u_0 - u) and not -K u.
-
-    Full information would leave 2.96e-4 m of 0.2551 m; what sensors of 10 um leave is below 1 %.
-    """
-    record = ClosedLoop(thesis_parameters()).run()
-    assert not {alarm.name for _, alarm in record.alarms} & HARMFUL
-    assert record.unit_sigma(60.0) < 0.01 * record.uncompensated_sigma(60.0)
 
 
 def test_a_first_order_winch_moves_the_unit_while_it_compensates_and_stops():
@@ -546,7 +459,7 @@ def test_a_first_order_winch_moves_the_unit_while_it_compensates_and_stops():
 
 def test_what_is_reported_of_a_tick_is_of_that_tick_while_the_mean_moves():
     """The mean payout begins a move with the command of this tick: the unit does not know of it yet."""
-    loop = ClosedLoop(loop_parameters(duration=60.0))
+    loop = ClosedLoop(two_state_parameters(duration=60.0))
     for _ in range(400):
         loop.step()
     loop.controller.move_to_payout(3.0, 0.5)
@@ -561,7 +474,7 @@ def test_what_is_reported_of_a_tick_is_of_that_tick_while_the_mean_moves():
 @pytest.mark.parametrize("law", ["lqg", "mpc"])
 def test_compensation_begins_without_a_step_in_the_command(law):
     """Authority is 0 in the first tick: the unit is to go on as it does, and that asks for no motion of the winch."""
-    loop = ClosedLoop(loop_parameters(duration=60.0, law=law))
+    loop = ClosedLoop(two_state_parameters(duration=60.0, law=law))
     rates = []
     while len(rates) < 5:
         outputs, _ = loop.step()
@@ -572,7 +485,7 @@ def test_compensation_begins_without_a_step_in_the_command(law):
 
 def test_constant_tension_begins_at_the_measured_tension_each_time():
     """Between two spells at constant tension the unit may have been moved: an old set-point means nothing."""
-    loop = ClosedLoop(loop_parameters(duration=200.0, **{"tension.hanging": True}))
+    loop = ClosedLoop(two_state_parameters(duration=200.0, **{"tension.hanging": True}))
     for _ in range(600):
         loop.step()
     static = loop.controller.design.cable.static_tension
@@ -589,21 +502,10 @@ def test_constant_tension_begins_at_the_measured_tension_each_time():
     assert loop.controller._command._tension.value == measured
 
 
-def test_constant_tension_refuses_a_hanging_unit_and_says_what_to_do():
-    loop = ClosedLoop(loop_parameters(duration=60.0))
-    for _ in range(600):
-        loop.step()
-    with pytest.raises(
-        ModeError, match=r"the load is suspended: the cable carries (9\d|10\d) % of its weight.*land it " r"first"
-    ):
-        loop.controller.set_mode("constant_tension")
-    assert loop.step()[0].report.mode == "compensating"
-
-
 def test_a_hanging_unit_at_constant_tension_travels_no_further_than_its_bound_and_that_is_an_alarm():
     """A set-point below its weight lets a hanging unit go for ever."""
     bound = {"tension.hanging": True, "tension.travel": 1.0}
-    loop = ClosedLoop(loop_parameters(duration=60.0, **bound))
+    loop = ClosedLoop(two_state_parameters(duration=60.0, **bound))
     for _ in range(600):
         loop.step()
     cable = loop.controller.design.cable
@@ -618,38 +520,12 @@ def test_a_hanging_unit_at_constant_tension_travels_no_further_than_its_bound_an
     assert told == [("TENSION_TRAVEL: half", 0.5), ("TENSION_TRAVEL: end", 1.0)]
 
 
-def test_a_landed_unit_under_a_brake_is_lifted_off_at_constant_tension():
-    loop = ClosedLoop(loop_parameters(duration=60.0))
-    for _ in range(600):
-        loop.step()
-    loop.controller._supervisor.landing.unit_stands = True
-    loop.controller.set_mode("standby")
-    for _ in range(400):
-        loop.step()
-    assert loop.controller.mode.value == "standby"
-    assert "lifting off" in loop.controller.set_mode("compensating")
-    assert loop.step()[0].report.mode == "constant_tension"
-
-
-def test_a_slow_winch_is_followed_by_the_baseline_that_inverts_its_lag():
-    """A servo of 1 s at 0.7 rad/s: the feed-forward alone is left with the lag's gain, the inversion is not."""
-    left = {}
-    for law in ("feedforward", "industrial"):
-        parameters = loop_parameters(law=law, duration=90.0, height=1.0, **{"winch.time_constant": 1.0})
-        winch = dataclasses.replace(parameters.winch, time_constant=1.0)
-        record = ClosedLoop(dataclasses.replace(parameters, winch=winch)).run()
-        tip = record.column("boom_tip", after=40.0)
-        left[law] = float(np.std(tip - record.column("payout", after=40.0)) / np.std(tip))
-    assert left["feedforward"] > 0.15
-    assert left["industrial"] < 0.06
-
-
 def test_a_motion_reference_unit_that_samples_between_ticks_is_used_at_its_own_time():
     """Samples 20 ms before the ticks: cubics through heave and rate of the ticks, with noise of 1 cm and 1 cm/s."""
     early = 0.4
 
     def sigma(*, is_shifted):
-        loop = ClosedLoop(loop_parameters(duration=55.0, sea={"mru.noise": 0.0, "mru.rate_noise": 0.0}))
+        loop = ClosedLoop(two_state_parameters(duration=55.0, sea={"mru.noise": 0.0, "mru.rate_noise": 0.0}))
         noise, step, last = np.random.default_rng(5), loop.controller.step, []
 
         def sampled(tick, measured):

@@ -7,23 +7,18 @@ from typing import ClassVar, NamedTuple
 
 import numpy as np
 import pytest
-from cable_sim_node.node_parameters import CableSimNodeParameters, LinearModelParameters
-from cable_sim_node.parameters import UnitParameters
 from cable_sim_node.winch.parameters import WinchParameters
-from heave_bringup.closed_loop import COLUMNS, ClosedLoop, LoopParameters
+from heave_bringup.closed_loop import COLUMNS, ClosedLoop
 from heave_node.interface.codes import WinchFault, WinchLimit
-from heave_node.parameters import build_parameters
 from hypothesis import Phase, settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, initialize, rule, run_state_machine_as_test
 from scipy.linalg import expm
-from wave_vessel_node.parameters import WaveVesselParameters
 from winch_controller_node.core.supervision.modes import REQUESTS, SETTLING_LIMIT, STOPPING_LIMIT, ModeError
-from winch_controller_node.node_parameters import WinchControllerParameters
+
+from tests.loops import DAMPING, INERTIA, two_state_parameters
 
 DT = 0.05
-INERTIA, DAMPING = 7.339769, 0.1906759
-"""The 900 m system of thesis 6.2.6 as identified there."""
 
 FADE_TIME = 2.0
 BEGINNING = 15.0
@@ -72,11 +67,7 @@ def loop_in(height, seed, tension_ratio=0.0, law="mpc"):
     """Return the loop on the two-state plant in a sea of significant wave `height` [m]."""
     belief = {
         "law": law,
-        "length": 900.0,
-        "cable_model.inertia": INERTIA,
-        "cable_model.damping": DAMPING,
         "sea.significant_wave_height": max(height, 0.1),
-        "sea.peak_period": 10.0,
         "winch.payout_minimum": WINCH.payout_minimum,
         "winch.payout_maximum": WINCH.payout_maximum,
         "limits.payout_margin": MARGIN,
@@ -88,17 +79,7 @@ def loop_in(height, seed, tension_ratio=0.0, law="mpc"):
         "tension.hanging": height >= 0.1,
         "entry.peak_use": 2.0,
     }
-    waves = {"significant_wave_height": height, "peak_period": 10.0, "ramp": 5.0}
-    linear = LinearModelParameters(INERTIA, DAMPING)
-    return ClosedLoop(
-        LoopParameters(
-            sea=build_parameters(WaveVesselParameters, waves, where="test"),
-            plant=CableSimNodeParameters(model="linear", linear=linear, length=900.0, unit=UnitParameters()),
-            winch=WINCH,
-            controller=build_parameters(WinchControllerParameters, belief, where="test"),
-            seed=seed,
-        )
-    )
+    return ClosedLoop(two_state_parameters(height, sea={"ramp": 5.0}, seed=seed, winch=WINCH, **belief))
 
 
 def column(row, name):

@@ -1,16 +1,11 @@
 """The winch is shared: the operator never uses more than its share of it, and compensation has what that leaves."""
 
-import dataclasses
-
 import numpy as np
 import pytest
-from cable_sim_node.node_parameters import CableSimNodeParameters, LinearModelParameters
 from cable_sim_node.winch.parameters import WinchParameters
-from heave_bringup.closed_loop import ClosedLoop, LoopParameters
-from heave_node.parameters import build_parameters
+from heave_bringup.closed_loop import ClosedLoop
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from wave_vessel_node.parameters import WaveVesselParameters
 from winch_controller_node.design.design import design_controller
 from winch_controller_node.laws.law import LawDesign
 from winch_controller_node.laws.mpc import ConstrainedLaw, MpcParameters
@@ -21,10 +16,9 @@ from winch_controller_node.node_parameters import WinchControllerParameters
 from winch_controller_node.parameters.laws import MoveParameters, OperatorParameters
 
 from tests.core_parts import bounds
+from tests.loops import two_state_parameters
 
 DT = 0.05
-INERTIA, DAMPING = 7.339769, 0.1906759
-"""The 900 m system of thesis 6.2.6 as identified there."""
 
 LARGEST_SPEED, ACCELERATION, LAG = 2.0, 1.5, 0.2
 """The winch of these tests [m/s], [m/s^2], [s]."""
@@ -103,26 +97,8 @@ def test_the_plan_of_compensation_has_what_the_operator_leaves():
 
 def loop_in(*, acceleration, height=4.0, **controller):
     """Return a loop in a sea that takes the winch to its limits; the winch has a true `acceleration` [m/s^2]."""
-    sea = {"significant_wave_height": height, "peak_period": 8.0, "ramp": 10.0}
-    belief = {
-        "length": 900.0,
-        "cable_model.inertia": INERTIA,
-        "cable_model.damping": DAMPING,
-        "sea.significant_wave_height": height,
-        "sea.peak_period": 8.0,
-        "modes.settling_time": 10.0,
-        "modes.fade_in_time": 5.0,
-    } | controller
-    return ClosedLoop(
-        LoopParameters(
-            sea=build_parameters(WaveVesselParameters, sea, where="test"),
-            plant=CableSimNodeParameters(model="linear", linear=LinearModelParameters(INERTIA, DAMPING), length=900.0),
-            winch=dataclasses.replace(
-                WinchParameters(), acceleration_limit=acceleration, stop_deceleration=acceleration
-            ),
-            controller=build_parameters(WinchControllerParameters, belief, where="test"),
-        )
-    )
+    winch = WinchParameters(acceleration_limit=acceleration, stop_deceleration=acceleration)
+    return ClosedLoop(two_state_parameters(height, 8.0, sea={"ramp": 10.0}, winch=winch, **controller))
 
 
 def operated(loop, ticks):

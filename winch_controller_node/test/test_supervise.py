@@ -8,8 +8,6 @@ from heave_node.interface.codes import WinchFault
 from winch_controller_node.core.supervision.modes import Mode
 from winch_controller_node.core.supervision.supervision_design import BLIND_LIMIT, LONGEST_AGE
 
-from tests.allocation import allocates
-from tests.core_parts import part
 from tests.supervised import DT, Supervised
 
 
@@ -121,11 +119,3 @@ def test_a_decision_is_finite_in_whatever_is_read():
         decision = loop.step(tip=math.nan, unit=math.nan, free=math.nan, has_encoder=0)
     assert decision.mode.mode is Mode.STANDBY
     assert math.isfinite(decision.mode.authority)
-
-
-def test_no_tick_of_it_allocates():
-    """In a mode that compensates, and in one that asks each tick whether it may begin."""
-    for mode in (Mode.COMPENSATING, Mode.STANDBY):
-        loop = Supervised(mode=mode)
-        loop.step(depths=((0.0, 300.0),), depth_heave=0.0)
-        assert not allocates(lambda on=loop._on, of=loop._depths: part("supervise")(on, of))
