@@ -189,7 +189,8 @@ def test_a_device_time_of_any_epoch_stamps_within_what_a_stamp_holds(unit, first
         sample = Sample("MODBUS", {"input:0": 1.0, "input:9:float64": first + step * k})
         stamps += [reading.stamp for _, reading in adapter.on_samples([sample], 50.0 + 0.1 * k)]
     assert all(0 < stamp < 2**31 * 10**9 for stamp in stamps)
-    assert np.diff(stamps) * 1e-9 == pytest.approx(0.1, abs=1e-5)
+    resolution = np.spacing(first) / step * 0.1
+    assert np.diff(stamps) * 1e-9 == pytest.approx(0.1, abs=1e-5 + 2.0 * resolution)
 
 
 @pytest.mark.parametrize("wrong", [1e300, math.inf, math.nan, -5.0, 1e12])
