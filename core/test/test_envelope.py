@@ -476,7 +476,7 @@ def test_a_cable_that_snaps_taut_is_no_load_cell_that_jumps():
 
 
 def test_a_load_cell_that_jumps_while_the_cable_may_snap_is_known_by_more_than_a_caught_load_makes():
-    """In a rough sea the tension often falls below half of the static one: no jump was seen then, and it moved the drum.
+    """In a rough sea the tension often falls below half of the static one: a jump in it moved the drum, unseen.
 
     A load of mass m that is caught at a speed v by a spring k adds v sqrt(k m) to the static tension; a = m/k.
     """
