@@ -9,10 +9,9 @@ from heave_core.layout import ENUMERATIONS
 HEAD = """# The core's layout
 
 `heave_core` is the compiled part of the controller's tick: C++17 without libraries, allocation, exceptions, clocks or
-text. One table, `heave_core.layout`, generates the C++ structures, the numpy types through which Python reads and
-writes the same memory, and this page. `python -m heave_core.layout` prints the C++ header: unit and meaning of every
-field. `winch_controller_node` fills each `...Design` from its parameters and makes alarms of `News`, `Happened`,
-`LoadNews`.
+text. One table, `heave_core.layout`, generates the C++ structures, numpy types on the same memory, and this page.
+`python -m heave_core.layout` prints the C++ header: unit and meaning of every field. `winch_controller_node` fills each
+`...Design` from its parameters and makes alarms of `News`, `Happened`, `LoadNews`.
 
 | file in `core/heave_core/src/` | what it does |
 |---|---|
