@@ -61,7 +61,7 @@ releases the interpreter lock.
 """
 
 
-ORDER = ("Gate", "Harm", "Cause", "Happened", "Asks")
+ORDER = ("Gate", "Harm", "Cause", "Happened", "Asks", "LoadNews")
 """Names of numbers in the order of a controller on a PLC (`controller.h`)."""
 
 NUMBERS = """## Numbers
