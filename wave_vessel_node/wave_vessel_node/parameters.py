@@ -29,6 +29,7 @@ class VesselAnswer:
     model: str = parameter("second_order",
         description="second_order (thesis Eq. 6.25), rao (table, 6 DOF; the controller uses fitted), fitted (second "
         "order, fitted to the table), direct.", choices=VESSEL_MODELS)  # fmt: skip
+    gain: float = parameter(1.0, "", 1e-3, 10.0, "K_v: boom-tip heave per wave elevation at low frequency.")
     natural_frequency: float = parameter(0.9, "rad/s", 0.01, 10.0, "omega_v of the second-order vessel.")
     damping_ratio: float = parameter(0.4, "", 0.01, 5.0, "xi_v of the second-order vessel.")
     rao_file: str = parameter("",
@@ -43,7 +44,6 @@ class VesselAnswer:
 class VesselParameters(VesselAnswer):
     """How the vessel answers the sea."""
 
-    gain: float = parameter(1.0, "", 1e-3, 10.0, "K_v: boom-tip heave per wave elevation at low frequency.")
     pitch_gain: float = parameter(0.0, "", 0.0, 5.0,
         "Pitch of the second-order vessel per wave slope at low frequency (odometry, lever-arm error).")  # fmt: skip
 
