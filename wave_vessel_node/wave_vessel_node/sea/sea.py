@@ -27,16 +27,14 @@ def build_spectrum(parameters: WaveVesselParameters, warnings: list[str]) -> Wav
     parameters : name the spectrum, or its file and record
     warnings : what was repaired in a file is added here
 
-    Raises SpectrumError or SpectrumFileError where it cannot be: a file that is missing or broken, a record beyond its
-    end.
+    Raises SpectrumError or SpectrumFileError where it cannot be: a file that is missing or broken.
     """
     if parameters.spectrum != SPECTRUM_FILE:
         return named_spectrum(parameters)
     file = read_spectra(parameters.spectrum_file, accept_implausible=parameters.accept_implausible)
     warnings.extend(file.warnings)
-    if parameters.spectrum_time:
-        return file.nearest(parameters.spectrum_time).spectrum
-    return file.select(parameters.spectrum_record).spectrum
+    record = file.nearest(parameters.spectrum_time) if parameters.spectrum_time else file.records[0]
+    return record.spectrum
 
 
 @dataclass(frozen=True)
