@@ -8,10 +8,10 @@ import pytest
 from heave_node.parameters import describe
 from wave_vessel_node.component import WaveVessel
 from wave_vessel_node.parameters import SeaParameters, WaveVesselParameters
+from wave_vessel_node.registries import FILTER_FORMS, SPECTRA
 from wave_vessel_node.sea.sea import named_spectrum
 from wave_vessel_node.sea.shaping_filter import shaping_filter
 from wave_vessel_node.sea.spectra import Bretschneider
-from wave_vessel_node.sea_registry import FILTER_FORMS, SPECTRA
 
 CHOICES = {info.name: info.choices for info in describe(WaveVesselParameters)}
 
@@ -30,8 +30,8 @@ def test_every_filter_form_gives_an_elevation(form):
 
 def test_a_line_more_is_a_choice_a_help_and_a_sea():
     program = """
-from heave_node.registry import Entry
-from wave_vessel_node.sea_registry import SPECTRA
+from wave_vessel_node.registries import Entry
+from wave_vessel_node.registries import SPECTRA
 SPECTRA["own"] = Entry("wave_vessel_node.sea.spectra:Bretschneider", "for a test")
 from heave_node.parameters import build_parameters, describe
 from wave_vessel_node.component import WaveVessel

@@ -9,11 +9,17 @@ from heave_node.crane.kinematics import JOINTS, CraneParameters
 from heave_node.files.plausible import breaking_words
 from heave_node.interface.faults import FaultParameters, MruFaultParameters
 from heave_node.parameters import group, parameter
-from heave_node.registry import describe_choices
 from heave_node.sensing.view import SensorParameters, View
 
-from wave_vessel_node.sea_registry import AUTO, FILTER_FORMS, NEED_NO_PERIOD, SPECTRA, SPECTRUM_FILE
-from wave_vessel_node.source_registry import SOURCES
+from wave_vessel_node.registries import (
+    AUTO,
+    FILTER_FORMS,
+    NEED_NO_PERIOD,
+    SOURCES,
+    SPECTRA,
+    SPECTRUM_FILE,
+    describe_choices,
+)
 
 if TYPE_CHECKING:
     from heave_node.numerics.arrays import Array
@@ -178,7 +184,7 @@ class SwellParameters:
 
 @dataclass(frozen=True)
 class SeaParameters:
-    """A sea that a few numbers describe; which spectrum takes which of them: see `sea_registry`."""
+    """A sea that a few numbers describe; which spectrum takes which of them: see `registries`."""
 
     spectrum: str = parameter("bretschneider",
         description=f"Spectrum of the sea: {describe_choices(SPECTRA)}.", choices=tuple(SPECTRA))  # fmt: skip

@@ -8,9 +8,9 @@ import numpy as np
 from heave_node.numerics.arrays import Array
 
 from wave_vessel_node.parameters import SeaParameters, WaveVesselParameters
+from wave_vessel_node.registries import SPECTRA, SPECTRUM_FILE
 from wave_vessel_node.sea.spectra import WaveSpectrum
 from wave_vessel_node.sea.spectrum_files import read_spectra
-from wave_vessel_node.sea_registry import SPECTRA, SPECTRUM_FILE
 
 
 def named_spectrum(sea: SeaParameters) -> WaveSpectrum:
