@@ -51,7 +51,7 @@ def test_an_option_of_a_missing_extra_names_it_in_one_line(alone, words, needs, 
 
 def test_a_table_without_pandas_is_refused_before_the_bag_is_read(monkeypatch, tmp_path, capsys):
     monkeypatch.setitem(sys.modules, "pandas", None)
-    assert main(["export", str(tmp_path / "no_such_bag"), "--csv", str(tmp_path / "table.csv")]) != 0
+    assert main(["export", str(tmp_path / "no_such_bag"), "--table", str(tmp_path / "table.csv")]) != 0
     assert capsys.readouterr().err.startswith("heave: heave export needs heave[frames] (no module pandas); ")
 
 

@@ -83,7 +83,7 @@ def test_a_report_brings_its_pdf_with_it(runs, tmp_path, capsys):
 
 
 def test_an_export_is_one_table_of_signals_in_each_form(runs, tmp_path, capsys):
-    files = ["--csv", str(tmp_path / "x.csv"), "--parquet", str(tmp_path / "x.parquet")]
+    files = ["--table", str(tmp_path / "x.csv"), str(tmp_path / "x.parquet")]
     assert main(["export", str(runs / "one"), *files, "--period", "0.1", "--json", "-"]) == 0
     result = json.loads(capsys.readouterr().out)
     text, table = pandas.read_csv(tmp_path / "x.csv"), pandas.read_parquet(tmp_path / "x.parquet")
@@ -95,7 +95,7 @@ def test_an_export_is_one_table_of_signals_in_each_form(runs, tmp_path, capsys):
     assert named.loc["payout_rate_mps", "unit"] == "m/s"
     assert "positive pays out" in named.loc["payout_rate_mps", "meaning"]
     assert text["payout_m"].to_numpy() == pytest.approx(table["payout_m"].to_numpy(), rel=1e-8, nan_ok=True)
-    assert main(["export", str(runs / "one"), "--topics", "winch/state", "--csv", str(tmp_path / "w.csv")]) == 0
+    assert main(["export", str(runs / "one"), "--topics", "winch/state", "--table", str(tmp_path / "w.csv")]) == 0
     assert "winch/state.payout_rate" in pandas.read_csv(tmp_path / "w.csv").columns
     named = pandas.read_csv(tmp_path / "w_columns.csv").set_index("column")
     assert named.loc["winch/state.payout_rate", "unit"] == "m/s", "as the definition of the message says"
@@ -104,12 +104,11 @@ def test_an_export_is_one_table_of_signals_in_each_form(runs, tmp_path, capsys):
 @pytest.mark.parametrize(
     ("arguments", "status", "words"),
     [
-        ([], 2, "nothing to write: give --csv FILE.csv"),
-        (["--csv", "x.txt"], 2, "--csv x.txt: must end in .csv"),
-        (["--csv", "no/x.csv"], 2, "there is no folder no"),
-        (["--csv", "x.csv", "--period", "0"], 2, "--period 0: must be at least 0.0001 [s]"),
-        (["--csv", "x.csv", "--period", "nan"], 2, "--period nan: must be"),
-        (["--csv", "x.csv", "--topics", "winch/stat"], 1, "no topic winch/stat; it has"),
+        (["--table", "x.txt"], 2, "--table x.txt: must end in .csv or .parquet or .xlsx"),
+        (["--table", "no/x.csv"], 2, "there is no folder no"),
+        (["--table", "x.csv", "--period", "0"], 2, "--period 0: must be at least 0.0001 [s]"),
+        (["--table", "x.csv", "--period", "nan"], 2, "--period nan: must be"),
+        (["--table", "x.csv", "--topics", "winch/stat"], 1, "no topic winch/stat; it has"),
     ],
 )
 def test_a_wrong_export_is_one_line_and_no_file(runs, tmp_path, monkeypatch, capsys, arguments, status, words):

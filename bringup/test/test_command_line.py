@@ -47,7 +47,7 @@ from heave_bringup.cli import main
         (["adapt", "no_map"], "heave: no_map: there is no such file"),
         (["adapt", "--check", __file__], f"heave: {__file__}: "),
         (["study", "--show", "no_such"], "heave: no_such: no such study or file"),
-        (["export", __file__, "--csv", "x.csv"], f"heave: {__file__}: a text file, not an MCAP file; give "),
+        (["export", __file__, "--table", "x.csv"], f"heave: {__file__}: a text file, not an MCAP file; give "),
         (["run", "b2_calm_300", "--bag", str(Path(__file__).parent)], f"heave: {Path(__file__).parent}: is not empty"),
         (["run", "no_such_scenario"], "heave: no_such_scenario"),
         (

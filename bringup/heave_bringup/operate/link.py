@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import os
 import time
+from dataclasses import fields
+from operator import attrgetter
 from typing import Any
 
 from action_msgs.msg import GoalStatus
@@ -159,6 +161,13 @@ LETTING_GO_TIME = 15.0
 """Wall time that a task has to end smoothly after Ctrl-C [s]."""
 SURVEY_PERIOD = 2.0
 """Wall time between two looks at which devices are simulated [s]."""
+_of_run = attrgetter("state", "reason", "tick", "simulated_time", "real_time_factor", "missed_deadlines")
+_of_controller = attrgetter(
+    *("mode", "law", "reason", "authority"),
+    *("predicted_unit_heave", "predicted_boom_tip_heave", "predicted_uncompensated_heave", "depth_set_point"),
+)
+_of_winch = attrgetter("encoder_payout", "encoder_payout_rate", "tension", "brake", "fault")
+_figures = attrgetter(*(one.name for one in fields(Figures)))
 NEWEST = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
 """Quality of service where only the newest message matters: a screen never delays a run."""
 
@@ -321,14 +330,7 @@ class RunLink:
 
     def _on_status(self, message: TickStatus) -> None:
         self.heard_at = self.wall_time
-        self.situation.run = RunStatus(
-            message.state,
-            message.reason,
-            message.tick,
-            message.simulated_time,
-            message.real_time_factor,
-            message.missed_deadlines,
-        )
+        self.situation.run = RunStatus(*_of_run(message))
         if self.heard_at - self._surveyed_at > SURVEY_PERIOD:
             self._surveyed_at = self.heard_at
             self._survey()
@@ -349,37 +351,16 @@ class RunLink:
     def _on_controller(self, message: ControllerState) -> None:
         self.situation.controller = ControllerStatus(
             seconds_of(message.header.stamp),
-            message.mode,
-            message.law,
-            message.reason,
-            message.authority,
-            message.predicted_unit_heave,
-            message.predicted_boom_tip_heave,
-            message.predicted_uncompensated_heave,
-            message.depth_set_point,
-            tuple(message.active_limits),
+            *_of_controller(message),
+            limits=tuple(message.active_limits),
         )
 
     def _on_winch(self, message: WinchState) -> None:
-        newest = WinchStatus(
-            seconds_of(message.header.stamp),
-            message.encoder_payout,
-            message.encoder_payout_rate,
-            message.tension,
-            message.brake,
-            message.fault,
-        )
+        newest = WinchStatus(seconds_of(message.header.stamp), *_of_winch(message))
         self.situation.winch = newest.since(self.situation.winch)
 
     def _on_figures(self, message: CompensationKpi) -> None:
-        self.situation.figures = Figures(
-            message.window,
-            message.unit_sigma,
-            message.uncompensated_sigma,
-            message.winch_speed_max,
-            message.tension_min,
-            message.tension_max,
-        )
+        self.situation.figures = Figures(*_figures(message))
 
     def _on_diagnostics(self, message: DiagnosticArray) -> None:
         for part in message.status:

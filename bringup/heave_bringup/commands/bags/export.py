@@ -18,21 +18,22 @@ if TYPE_CHECKING:
 
 SUMMARY = "Export the signals of a bag on a common time base as CSV, Parquet or a spreadsheet."
 EXAMPLES = (
-    "heave export runs/b2_calm_300-001 --csv b2.csv",
-    "heave export runs/b2_calm_300-001 --topics winch/state winch/load_cell --period 0.1 --parquet winch.parquet",
+    "heave export runs/b2_calm_300-001 --table b2.csv",
+    "heave export runs/b2_calm_300-001 --topics winch/state winch/load_cell --period 0.1 --table winch.parquet",
 )
-
-ENDINGS = (".csv", ".parquet", ".xlsx")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the command's own arguments to `parser`."""
     parser.add_argument("bag", metavar="BAG", type=Path, help="bag folder or run folder")
-    for ending in ENDINGS:
-        words = "; needs heave[xlsx]" if ending == ".xlsx" else ""
-        parser.add_argument(
-            f"--{ending[1:]}", type=Path, metavar=f"FILE{ending}", help=f"write the table to this file{words}"
-        )
+    parser.add_argument(
+        "--table",
+        type=Path,
+        nargs="+",
+        required=True,
+        metavar="FILE",
+        help="write the table to this .csv, .parquet or .xlsx (needs heave[xlsx])",
+    )
     parser.add_argument(
         "--topics",
         nargs="+",
@@ -49,7 +50,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def execute(options: argparse.Namespace) -> None:
     """Write the tables that `options` name, and say what is in them."""
     from heave_bags.analyse import time_base
-    from heave_bags.analyse.analysis import legend_file, save_frame
+    from heave_bags.analyse.analysis import TABLE_ENDINGS, legend_file, save_frame
     from heave_bags.analyse.read_run import read_run
     from heave_bags.mcap.loss import remarks
     from heave_bags.mcap.reader import Bag
@@ -57,14 +58,10 @@ def execute(options: argparse.Namespace) -> None:
     from heave_bringup.output import check_output, warn, write_result
     from heave_bringup.progress import ProgressLine
 
-    files = {ending: getattr(options, ending[1:]) for ending in ENDINGS}
-    for ending, file in files.items():
-        check_output(f"--{ending[1:]}", file, (ending,))
-    paths = [file for file in files.values() if file is not None]
-    if not paths:
-        raise ParameterError("nothing to write: give --csv FILE.csv, --parquet FILE.parquet or --xlsx FILE.xlsx")
-    if options.xlsx is not None and find_spec("xlsxwriter") is None:
-        raise CommandError(f"--xlsx {options.xlsx}: needs the package xlsxwriter: pip install xlsxwriter")
+    for path in options.table:
+        check_output("--table", path, TABLE_ENDINGS)
+        if path.suffix.lower() == ".xlsx" and find_spec("xlsxwriter") is None:
+            raise CommandError(f"--table {path}: needs the package xlsxwriter: pip install xlsxwriter")
     if options.period is not None and not time_base.SHORTEST_PERIOD <= options.period < math.inf:
         raise ParameterError(f"--period {options.period:g}: must be at least {time_base.SHORTEST_PERIOD:g} [s]")
     import_module("pandas")  # refused before the bag is read
@@ -82,16 +79,16 @@ def execute(options: argparse.Namespace) -> None:
         progress.show("writing")
         columns = {name: columns[name] for name in frame.columns}
         legend = time_base.legend(columns)
-        for path in paths:
+        for path in options.table:
             save_frame(frame, path, legend)
     warn(lost)
     step = float(frame.index[1] - frame.index[0]) if len(frame) > 1 else 0.0
     span = f"{len(frame)} rows every {step:.6g} s, from {frame.index[0]:.6g} s to {frame.index[-1]:.6g} s"
-    lines = [f"{path.resolve()}: {span}" for path in paths]
-    lines += [f"{legend_file(path).resolve()}: what each column is" for path in paths if path.suffix != ".xlsx"]
+    lines = [f"{path.resolve()}: {span}" for path in options.table]
+    lines += [f"{legend_file(path).resolve()}: what each column is" for path in options.table if path.suffix != ".xlsx"]
     width = max(map(len, columns))
     reported = {
-        "files": [str(path.resolve()) for path in paths],
+        "files": [str(path.resolve()) for path in options.table],
         "rows": len(frame),
         "columns": {name: one._asdict() for name, one in columns.items()},
         "remarks": lost,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import math
 from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -19,6 +20,11 @@ if TYPE_CHECKING:
 SUMMARY = "Print and draw natural periods and mode shapes of rope and load, and the rope lengths that resonate."
 EXAMPLES = ("heave modes b3_deep_900", "heave modes b6_resonance_payout --period 10 --longest 900")
 
+AMPLITUDE = 0.5
+"""Of the boom tip, at which drag is linearised [m]."""
+MODES = 4
+"""That are printed and drawn."""
+
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the command's own arguments to `parser`."""
@@ -26,10 +32,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     for name, metavar, text in (
         ("--longest", "M", "longest rope of the resonance map (default: that paid out)"),
         ("--period", "S", "find the resonant rope length for this period (default: the sea's peak period)"),
-        ("--amplitude", "M", "linearise drag at this boom-tip amplitude (default: 0.5)"),
     ):
         parser.add_argument(name, type=float, metavar=metavar, help=text)
-    parser.add_argument("--modes", type=int, default=4, metavar="N", help="number of modes (default: 4)")
     parser.add_argument("--picture", type=Path, metavar="FILE", help="PNG or SVG (default: SCENARIO_modes.svg)")
 
 
@@ -46,7 +50,8 @@ def execute(options: argparse.Namespace) -> None:
     from heave_bringup.scenarios import check_lengths, load_scenario
 
     check_output("--picture", options.picture, PICTURE_ENDINGS)
-    _check_options(options)
+    if options.period is not None and not 0.0 < options.period < math.inf:
+        raise ParameterError(f"--period {options.period:g}: must be a number above 0")
     if options.longest is not None:
         check_lengths("--longest", [options.longest])
     scenario = load_scenario(options.scenario, settings=options.set)
@@ -58,8 +63,8 @@ def execute(options: argparse.Namespace) -> None:
         report = modes_report(
             plant,
             sea_period=options.period or sea_period,
-            amplitude=options.amplitude or 0.5,
-            count=options.modes,
+            amplitude=AMPLITUDE,
+            count=MODES,
             longest=options.longest,
             boom_tip=(0.0, 0.0, plant.boom_tip_height),
         )
@@ -79,10 +84,3 @@ def _drawn(report: ModesReport, picture: Path | None, name: str) -> str:
     path = picture or Path(f"{name}_modes.svg")
     save_picture(report, path)
     return str(path.resolve())
-
-
-def _check_options(options: argparse.Namespace) -> None:
-    for name in ("period", "amplitude", "modes"):
-        value = getattr(options, name)
-        if value is not None and not 0.0 < value < float("inf"):
-            raise ParameterError(f"--{name} {value:g}: must be a number above 0")

@@ -60,8 +60,13 @@ COVERED: Mapping[str, tuple[str, ...]] = {
 }
 """Parameters by node that a screening covers; a group ends with a point."""
 
-OF_NO_CABLE = "system.linear."
-"""Words of the linear plant, which stand beside those of the cable."""
+UNBELIEVED = (
+    *("system.linear.", "system.sensors.mru.latency", "system.sensors.velocity.", "system.sensors.imu."),
+    "system.sensors.load_cell.",
+)
+"""Words in which ship and controller may differ: the linear plant beside the cable, sensors that no screened law takes,
+and a latency that stamps tell.
+"""
 
 LAWS = ("off", "lqg", "mpc")
 """Laws that are u = -G x away from their limits, or hold the winch."""
@@ -92,7 +97,7 @@ def _differing(own: Mapping[str, Mapping[str, Value]]) -> str:
         system |= {name: values[mine] for name, mine in owned_names(node, values).items()}
     for node, values in own.items():
         for name, mine in system_names(node, values).items():
-            if values[mine] != system[name] and not name.startswith(OF_NO_CABLE):
+            if values[mine] != system[name] and not name.startswith(UNBELIEVED):
                 return f"{node}.{mine} = {values[mine]}, {name} = {system[name]}"
     return ""
 
