@@ -16,6 +16,7 @@ from cable_sim_node.physics.drag import HARMONIC_DRAG
 from cable_sim_node.vertical.axial_line import AxialLine
 from cable_sim_node.vertical.linear import march
 from heave_node.numerics.arrays import Array, ComplexArray
+from scipy import stats
 from scipy.fft import dct, idct
 from winch_controller_node.beliefs.beliefs import Correction
 
@@ -81,15 +82,15 @@ def noise_power(times: Array, values: Array, start: float, end: float, stated: f
     if highest < LEAST_BAND * QUIET:
         return stated**2 * spacing
     omegas = np.linspace(QUIET, highest, QUIET_COUNT)
-    return noise_level(np.abs(Transform(times, omegas, start, end)(values)) ** 2)
+    return noise_level(np.abs(Transform(times, omegas, start, end)(values)) ** 2, 2)
 
 
-def noise_level(power: Array) -> float:
-    """Return the power of white noise in a periodogram, `power` at quiet frequencies: no narrow resonance moves it.
+def noise_level(power: Array, squares: int) -> float:
+    """Return the power of white noise in a spectrum, `power` at quiet frequencies: no narrow resonance moves it.
 
-    The median of an exponential distribution is log 2 of its mean.
+    Each is a mean of so many `squares` of Gaussian numbers: two in a periodogram, one in that of a mirrored record.
     """
-    return float(np.median(power)) / math.log(2.0)
+    return float(np.median(power) * squares / stats.chi2.median(squares))
 
 
 def gains_over_top(line: AxialLine, length: float, omegas: Array, speeds: tuple[float, float]) -> ComplexArray:
@@ -149,8 +150,7 @@ def smoothed(values: Array, period: float, stated: float = 0.0, highest: float =
     series = np.asarray(dct(values, norm="ortho"))
     smooth, count = smooth_spectrum(series**2, omega), smoothed_count(omega)
     quiet = smooth[omega > QUIET]
-    # the median of a mean of so many squares is below their mean (Wilson and Hilferty, 1931)
-    noise = float(np.median(quiet)) / (1.0 - 2.0 / (9.0 * count)) ** 3 if quiet.size >= LEAST_QUIET else stated**2
+    noise = noise_level(quiet, count) if quiet.size >= LEAST_QUIET else stated**2
     kept = np.where(omega <= highest, wiener_gain(smooth, noise, math.sqrt(2.0 / count)), 0.0)
     return Smoothed(np.asarray(idct(kept * series, norm="ortho")), omega, series**2, smooth, kept, noise)
 
@@ -261,7 +261,8 @@ def smoothed_tip(record: SensorRecord, correction: Correction, high_pass: HighPa
     omega = np.asarray(2.0 * math.pi * np.fft.rfftfreq(2 * count, dt), dtype=np.float64)
     response = high_pass.response(omega)
     weight_x, weight_v = (
-        np.abs(response * of) ** 2 / noise_level(np.abs(one[omega > QUIET]) ** 2) for of, one in ((1.0, X), (omega, V))
+        np.abs(response * of) ** 2 / noise_level(np.abs(one[omega > QUIET]) ** 2, 1)
+        for of, one in ((1.0, X), (omega, V))
     )
     if not np.isfinite(rate).all():
         V, weight_v = np.zeros_like(X), np.zeros_like(omega)
@@ -269,7 +270,7 @@ def smoothed_tip(record: SensorRecord, correction: Correction, high_pass: HighPa
     by_rate = np.divide(V, 1j * omega, out=np.zeros_like(V), where=omega > 0.0)
     gain = np.divide(1.0, response, out=np.zeros_like(response), where=np.abs(response) > 1e-3)
     both = gain * (weight_x * X + weight_v * by_rate) / total
-    spread = math.sqrt(1.0 / smoothed_count(omega))
+    spread = math.sqrt(2.0 / smoothed_count(omega))
     kept = wiener_gain(smooth_spectrum(np.abs(both) ** 2, omega), 1.0 / total, spread)
     if high_pass.period > 0.0:  # none below SLOWEST, all from half as much above
         share = np.clip((omega / SLOWEST - 1.0) / 0.5, 0.0, 1.0)
