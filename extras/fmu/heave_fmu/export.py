@@ -10,6 +10,7 @@ from xml.etree.ElementTree import Element, SubElement, indent, tostring
 from heave_bringup.closed_loop import loop_parameters
 from heave_bringup.scenarios import Scenario
 from heave_bringup.stored_scenario import stored_sections, stored_title
+from heave_node.parameters import ParameterError
 from heave_node.scenario import sections_text
 
 from heave_fmu.compiled.build import export_controller
@@ -81,8 +82,17 @@ def connections(parts: Mapping[str, Part]) -> list[tuple[str, str, str]]:
 
 
 def make_parts(scenario: Scenario, names: Iterable[str] = PARTS) -> dict[str, Part]:
-    """Return parts of the loop of a `scenario` by their `names`, not begun."""
+    """Return parts of the loop of a `scenario` by their `names`, not begun.
+
+    Raises ParameterError for what has no variables: a crane that moves, a preview of the sea.
+    """
     parameters = loop_parameters(scenario)
+    sea = parameters.sea
+    if sea.crane.is_fitted or sea.preview.time > 0.0:
+        raise ParameterError(
+            "heave fmu: a crane that moves and a preview of the sea have no variables: "
+            "--set system.crane.fitted=false or wave_vessel.preview.time=0"
+        )
     return {name: PARTS[name](parameters) for name in names}
 
 

@@ -46,15 +46,3 @@ def sensor_slots(sensor: Sensor, parameters: LoopParameters) -> int:
 def fitted_sensors(parameters: LoopParameters) -> list[Sensor]:
     """Return the sensors of the plant that are fitted, by the `parameters` of the loop."""
     return [SENSORS[name] for name, sensor in parameters.plant.sensors.by_name().items() if sensor.fitted]
-
-
-def pose_slots(parameters: LoopParameters) -> int:
-    """Return how many poses of the crane may come in one tick, by the `parameters` of the loop."""
-    return 1 + _late_slots(parameters.sea.crane.pose.faults, parameters.tick_period)
-
-
-def preview_fields(parameters: LoopParameters) -> tuple[str, ...]:
-    """Return the fields of a preview of the boom tip, moment by moment; none where the `parameters` have no preview."""
-    preview = parameters.sea.preview
-    count = max(1, round(preview.time / parameters.tick_period)) if preview.time > 0.0 else 0
-    return tuple(f"{name}[{index}]" for name in ("ahead", "heave") for index in range(1, count + 1))

@@ -25,16 +25,12 @@ from cable_sim_node.conversions import (
 )
 from cable_sim_node.winch.component import VirtualWinch
 from heave_bringup.closed_loop import LoopParameters
-from heave_node.crane.pose import POSE_FIELDS, pose_of, pose_to_wire
 from heave_node.interface import topics
-from heave_node.interface.preview import HeavePreview
 from heave_node.interface.sensors import MRU, SENSORS, STANDARD_WATER, Water, WireReading, all_to_wire
-from heave_node.interface.topic import Topic
 from heave_node.numerics.kinematics import PointMotion
 from wave_vessel_node.component import WaveVessel, WaveVesselOutputs
 from winch_controller_node.adviser.component import Adviser
 from winch_controller_node.core.component import WinchController
-from winch_controller_node.in_front import motion_source
 from winch_controller_node.interface.conversions import WINCH_STATE as WINCH_MEASURES
 from winch_controller_node.interface.conversions import measurements, winch_reading_of
 
@@ -46,8 +42,6 @@ from heave_fmu.messages import (
     TENSIONS,
     fitted_sensors,
     point_fields,
-    pose_slots,
-    preview_fields,
     sensor_slots,
 )
 from heave_fmu.part import STEPS, Part
@@ -158,11 +152,6 @@ class VesselPart(Part):
         self.add_output(MRU.topic, MRU.values)
         self.add_output(topics.BOOM_TIP, point_fields(POINT_MOTION))
         self.add_output(topics.WAVE_ELEVATION, ("elevation",))
-        crane = self.parameters.sea.crane
-        if crane.is_fitted and crane.pose.fitted:
-            self.add_output(topics.CRANE_POSE, POSE_FIELDS, pose_slots(self.parameters))
-        if fields := preview_fields(self.parameters):
-            self.add_output(topics.HEAVE_PREVIEW, fields)
 
     def start(self) -> None:
         """See Part."""
@@ -181,14 +170,8 @@ class VesselPart(Part):
     def _put_out(self, tick: int) -> None:
         """Put out the readings delivered at t_k."""
         self._found: WaveVesselOutputs = self._vessel.step(tick)
-        mru, preview = self._found.mru, self._found.preview
-        if mru is not None:
-            self.outputs[MRU.topic.name].publish([MRU.to_wire(mru, STANDARD_WATER)])
-        if self._found.crane:
-            self.outputs[topics.CRANE_POSE.name].publish(map(pose_to_wire, self._found.crane))
-        if preview is not None:
-            numbers = (*preview.ahead.tolist(), *preview.heave.tolist())
-            self.outputs[topics.HEAVE_PREVIEW.name].publish([WireReading(preview.stamp, numbers)])
+        if self._found.mru is not None:
+            self.outputs[MRU.topic.name].publish([MRU.to_wire(self._found.mru, STANDARD_WATER)])
 
 
 class ControllerPart(Part):
@@ -203,11 +186,6 @@ class ControllerPart(Part):
         for sensor in fitted_sensors(loop):
             self.add_input(sensor.topic, sensor.values, sensor_slots(sensor, loop))
         self.add_input(topics.WINCH_STATE, WINCH_MEASURES)
-        crane = loop.sea.crane
-        if crane.is_fitted and crane.pose.fitted:
-            self.add_input(topics.CRANE_POSE, POSE_FIELDS, pose_slots(loop))
-        if fields := preview_fields(loop):
-            self.add_input(topics.HEAVE_PREVIEW, fields)
         self.add_output(topics.WINCH_COMMAND, WINCH_COMMAND)
         self.add_output(topics.CONTROLLER_STATE, CONTROLLER_FIELDS)
 
@@ -215,7 +193,6 @@ class ControllerPart(Part):
         """See Part."""
         loop = self.parameters
         self._controller = WinchController(loop.controller, tick_period=loop.tick_period, seed=loop.seed)
-        self._source = motion_source(self._controller, loop.tick_period)
         self._adviser = Adviser(loop.controller, tick_period=loop.tick_period)
         self._water = Water(loop.controller.water_density, loop.controller.gravity)
 
@@ -226,24 +203,12 @@ class ControllerPart(Part):
         delivered = {sensor.name: self.inputs[sensor.topic.name].take(now) for sensor in sensors}
         state = self.inputs[topics.WINCH_STATE.name].newest(now)
         winch = None if state is None else winch_reading_of(state)
-        poses = [pose_of(reading) for reading in self._taken(topics.CRANE_POSE, now)]
-        previews = [_preview(reading) for reading in self._taken(topics.HEAVE_PREVIEW, now)]
-        preview = previews[-1] if previews else None
-        outputs = self._source.step(tick, measurements(delivered, winch, water, preview), poses)
+        outputs = self._controller.step(tick, measurements(delivered, winch, water))
         if outputs.observations is not None:
             self._controller.take(self._adviser.advise(outputs.observations))
         self.send(topics.WINCH_COMMAND, tick, (getattr(outputs.order, name) for name in WINCH_COMMAND))
         self.send(topics.CONTROLLER_STATE, tick, (getattr(outputs, name) for name in CONTROLLER_FIELDS))
         return [str(alarm) for alarm in outputs.alarms]
-
-    def _taken(self, topic: Topic, now: int) -> list[WireReading]:
-        port = self.inputs.get(topic.name)
-        return [] if port is None else port.take(now)
-
-
-def _preview(reading: WireReading) -> HeavePreview:
-    ahead, heave = np.split(np.array(reading.numbers), 2)
-    return HeavePreview(ahead, heave, reading.stamp)
 
 
 PARTS: Mapping[str, Callable[[LoopParameters], Part]] = {

@@ -7,7 +7,6 @@ and, where it diverges, follows the answer while the current is raised in steps 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 from cable_sim_node.errors import NoEquilibriumError
@@ -21,13 +20,10 @@ SMALLEST_STEP = 2.0**-8
 """Smallest step of the current in a continuation."""
 
 
-@dataclass(frozen=True)
-class Equations:
-    """Three equations for three unknowns."""
-
-    # (unknowns, current factor, guess of the segments' drag) to (residuals over scale, their exact Jacobian, shape),
-    # None where impossible
-    evaluate: Callable[[Array, float, Array | None], tuple[Array, Array, StaticShape] | None]
+Equations = Callable[[Array, float, Array | None], tuple[Array, Array, StaticShape] | None]
+"""Three equations for three unknowns: (unknowns, current factor, guess of the segments' drag) to (residuals over scale,
+their exact Jacobian, shape), None where impossible.
+"""
 
 
 def solve_newton(
@@ -44,7 +40,7 @@ def solve_newton(
         hairpin bend, where several directions fit, on its branch
     """
     unknowns = guess.copy()
-    state = equations.evaluate(unknowns, factor, drag)
+    state = equations(unknowns, factor, drag)
     for _ in range(NEWTON_LIMIT):
         if state is None:
             return None
@@ -58,7 +54,7 @@ def solve_newton(
             return None
         share, found = 1.0, None
         while share > 1e-4:
-            trial = equations.evaluate(unknowns + share * step, factor, shape.drag)
+            trial = equations(unknowns + share * step, factor, shape.drag)
             if trial is not None and float(np.linalg.norm(trial[0])) < (1.0 - 0.1 * share) * miss:
                 found = trial
                 break

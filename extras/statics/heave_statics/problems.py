@@ -10,7 +10,7 @@ from heave_node.numerics.arrays import Array
 from numpy.typing import ArrayLike
 
 from heave_statics.dead_loads import EndCondition, solve_dead_loads
-from heave_statics.newton import Equations, follow_current, solve_newton
+from heave_statics.newton import follow_current, solve_newton
 from heave_statics.shape import StaticShape, shape_from
 from heave_statics.system import StaticCable
 from heave_statics.tables import FORCE, LENGTH, NORMAL, STIFFNESS, TANGENTIAL
@@ -52,22 +52,21 @@ def submerged_cable(
             return None
         return (shape.positions[-1] - target) / scale, shape.partials[:3, 3:] / scale, shape
 
-    equations = Equations(evaluate)
     start_tension, drag = _start_of_submerged(cable, current, origin, span)
     if current.is_still and cable.feed == 0.0:
         shape = shape_from(cable, current, origin, start_tension)
         assert shape is not None, "the answer of a search can be marched"
         return shape
-    answer = solve_newton(equations, start_tension, 1.0)
+    answer = solve_newton(evaluate, start_tension, 1.0)
     if answer is not None:
         return answer[1]
     try:
-        return follow_current(equations, start_tension, "submerged cable")
+        return follow_current(evaluate, start_tension, "submerged cable")
     except NoEquilibriumError:
         shape = _relax_drag(cable, current, origin, span, start_tension, drag)
         if shape is None:
             raise
-        polished = solve_newton(equations, -shape.start_force, 1.0, shape.drag)
+        polished = solve_newton(evaluate, -shape.start_force, 1.0, shape.drag)
         return shape if polished is None else polished[1]
 
 
@@ -104,7 +103,7 @@ def towing_cable(
     still = shape_from(cable, current, guess, start, factor=0.0)
     if still is not None:
         guess = guess + target - still.positions[-1]
-    return follow_current(Equations(evaluate), guess, "towing cable")
+    return follow_current(evaluate, guess, "towing cable")
 
 
 def mooring_cable(
@@ -160,7 +159,7 @@ def mooring_cable(
     start_tension = solve_dead_loads(cable, current, ends, guess, no_drag)
     if start_tension is None:
         raise NoEquilibriumError("mooring cable: no vertical force brings the end to that height")
-    return follow_current(Equations(evaluate), start_tension, "mooring cable")
+    return follow_current(evaluate, start_tension, "mooring cable")
 
 
 def _point(value: ArrayLike, name: str) -> Array:

@@ -14,7 +14,7 @@ def test_a_ship_at_rest_has_the_unit_hanging_below_it():
     (tow,) = towing_report(PLANT, [0.0], boom_tip=(1.0, 2.0, 3.0)).rows
     hanging = hanging_report(PLANT, (1.0, 2.0, 3.0))
     assert (tow.depth, tow.layback, tow.sideways) == pytest.approx((-hanging.unit[2], 0.0, 0.0), abs=1e-9)
-    assert tow.shape.top_tension == pytest.approx(hanging.top_tension)
+    assert tow.shape.top_tension == pytest.approx(hanging.largest_tension)
 
 
 def test_a_heavy_unit_on_a_thin_cable_tows_at_the_angle_of_its_drag_to_its_weight():

@@ -127,7 +127,7 @@ def test_a_record_in_which_an_operator_acted_is_refused_with_the_time(calm_bag, 
     ("sensor", "words"),
     [
         ("mru", "from 3.0 s on mru was not read until 5.0 s: give --end 3"),
-        ("depth", "depth was not read until 5.0 s"),
+        ("depth", "from 2.9 s on depth was not read until 4.9 s"),
         ("encoder", "encoder was not read until 5.0 s"),
         ("load_cell", ""),
     ],

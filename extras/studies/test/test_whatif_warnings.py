@@ -87,7 +87,7 @@ def test_figures_of_a_law_that_gives_up_are_withheld(lost_at, lost, is_refused):
     figures = Figures(values, {"unit_efficiency": (0.4, 0.6)}, lost_at, "LITTLE_GAIN")
     asked = SimpleNamespace(law="industrial")
     answer = Answer(asked, figures, None, 7, lost, "LITTLE_GAIN" if lost else "")
-    result = fitness.Result((), (), None, figures, [answer])
+    result = fitness.Result((), None, figures, [answer])
     assert answer.is_refused is is_refused
     (_, row) = fitness.ANSWERS.cells(result.rows)
     assert row[:2] == ["industrial", f"{lost} of 7"]

@@ -44,24 +44,14 @@ class HangingReport:
     pressure_shortening: float
 
     @property
-    def top_tension(self) -> float:
-        """Tension at the boom tip [N]."""
-        return self.shape.top_tension
-
-    @property
     def largest_tension(self) -> float:
         """Tension at the boom tip [N]."""
-        return self.top_tension
+        return self.shape.top_tension
 
     @property
     def unit_load(self) -> float:
         """Size of the force of the cable on the unit [N]."""
         return float(np.linalg.norm(self.unit_pull))
-
-    @property
-    def top_angle(self) -> float:
-        """Angle of the cable at the boom tip from the vertical [rad]."""
-        return self.shape.top_angle
 
     @property
     def top_azimuth(self) -> float:
@@ -123,8 +113,8 @@ class HangingReport:
         axes[0].legend(loc="best", fontsize="small")
         figure.colorbar(ScalarMappable(colours, "viridis"), ax=axes, label="tension [kN]")
         figure.suptitle(
-            f"{self.shape.cable.length:g} m out: top tension {self.top_tension / 1e3:.2f} kN,"
-            f" top angle {math.degrees(self.top_angle):.2f} deg"
+            f"{self.shape.cable.length:g} m out: top tension {self.largest_tension / 1e3:.2f} kN,"
+            f" top angle {math.degrees(self.shape.top_angle):.2f} deg"
         )
 
 
@@ -153,8 +143,10 @@ REPORT = Sheet(
     Column("horizontal offset of the unit [m]", "horizontal_offset", "horizontal_offset_m", "12.3f"),
     Column("weight of the unit {where} [kN]", "unit_weight", "unit_weight_n", "12.3f", 1e-3),
     Column("", lambda one: 100.0 * one.unit_wet, "unit_wet_percent"),
-    Column("top tension [kN]", "top_tension", "top_tension_n", "12.3f", 1e-3),
-    Column("top angle from the vertical [deg]", lambda one: math.degrees(one.top_angle), "top_angle_deg", "12.3f"),
+    Column("top tension [kN]", "largest_tension", "top_tension_n", "12.3f", 1e-3),
+    Column(
+        "top angle from the vertical [deg]", lambda one: math.degrees(one.shape.top_angle), "top_angle_deg", "12.3f"
+    ),
     Column("", lambda one: math.degrees(one.top_azimuth), "top_azimuth_deg"),
     Column("smallest tension [kN]", lambda one: float(one.shape.tension.min()), "least_tension_n", "12.3f", 1e-3),
     Column("", "clearance", "clearance_m"),

@@ -282,30 +282,29 @@ class Acceptance:
 
     def _done(self, step: Step, winch: WinchPart | None) -> Plain:
         set_up_transport(network=self._parts.is_on_network)
-        return self._result(step, self._folder, winch).to_plain()
-
-    def _result(self, step: Step, folder: Path, winch: WinchPart | None) -> StepResult:
         try:
             if isinstance(step.test, WinchTest):
-                return self._on_winch(step, step.test, folder, winch)
-            return self._in_a_run(step, step.test, folder)
+                done = self._on_winch(step, step.test, winch)
+            else:
+                done = self._in_a_run(step, step.test)
         except (CommandError, BagError) as error:
             if str(error).startswith("interrupted"):
                 raise KeyboardInterrupt from None
             if str(error) == ANOTHER_RUN:
                 raise
-            return StepResult(step, failure=str(error))
+            done = StepResult(step, failure=str(error))
+        return done.to_plain()
 
-    def _on_winch(self, step: Step, test: WinchTest, folder: Path, real: WinchPart | None) -> StepResult:
+    def _on_winch(self, step: Step, test: WinchTest, real: WinchPart | None) -> StepResult:
         part = real or VirtualPart(self._scenario.parameters["virtual_winch"], test.load)
         with ProgressLine() as progress:
             trace = run_winch(part, test, step.event, step.name, progress.show)
-        path = folder / f"{step.slug}.csv"
+        path = self._folder / f"{step.slug}.csv"
         trace.save(path)
         return _judged(step, of_winch(trace, test, self.nominal), path, "real winch" if real else "virtual winch")
 
-    def _in_a_run(self, step: Step, test: RunTest, folder: Path) -> StepResult:
-        run = folder / step.slug
+    def _in_a_run(self, step: Step, test: RunTest) -> StepResult:
+        run = self._folder / step.slug
         measured, breaches = run_loop(self._loop(step, test), step.event, run, self._parts.external)
         measured.nominal = self.nominal
         real = ", ".join(self._parts.external)

@@ -25,13 +25,13 @@ def execute(options: argparse.Namespace) -> None:
     from heave_bringup.output import make_table, warn, write_result
     from heave_bringup.progress import ProgressLine
 
-    from heave_studies.whatif.fitness import ANSWERS, EXPERIMENTAL, lines_before, to_json
+    from heave_studies.whatif.fitness import ANSWERS, EXPERIMENTAL, lines_before, to_json, warnings
     from heave_studies.whatif.question import ask
 
     warn([EXPERIMENTAL])
     with ProgressLine() as progress:
         laws = list(filter(None, options.law.split(",")))
         result = ask(bag_of(options.bag), laws, options.set, options.end, show=progress.show)
-    warn(result.warnings)
+    warn(warnings(result.known, result.answers))
     table = make_table(ANSWERS.headings, ANSWERS.cells(result.rows))
     write_result(options, ["\n".join(lines_before(result)), table, "bands are of 90 %"], to_json(result))

@@ -15,8 +15,6 @@ from heave_node.files.plausible import PLAUSIBLE, question
 from heave_node.numerics.arrays import Array
 from heave_node.parameters import ParameterError
 from numpy.typing import NDArray
-from wave_vessel_node.sea.spectrum_files import read_spectra
-from wave_vessel_node.sea.spectrum_record import SpectrumFileError
 
 from heave_studies.operability.limits import limit_curve, situations
 from heave_studies.study.phases import PHASE
@@ -48,32 +46,11 @@ class SeaRecord:
 
 
 def read_record(path: Path) -> SeaRecord:
-    """Read the seas in the file at `path`.
+    """Read the seas in the CSV file at `path`, with the columns time, hs, tp.
 
-    A .csv has the columns time, hs, tp. Any other file holds spectra (NDBC, or what `wavespectra` reads), whose heights
-    and periods are taken. Single implausible states, such as fill values, count as missing, and are said.
-
-    Raises ParameterError for what is none of these, and where many states are implausible.
+    Single implausible states, such as fill values, count as missing, and are said. Raises ParameterError for another
+    file, and where many states are implausible.
     """
-    if not path.is_file():
-        raise ParameterError(f"{path}: no such file")
-    if path.suffix.lower() == ".csv":
-        return _read_csv(path)
-    try:
-        file = read_spectra(path)
-    except SpectrumFileError as error:
-        raise ParameterError(str(error)) from error
-    states = pandas.DataFrame(
-        {
-            HS: [record.spectrum.significant_wave_height for record in file.records],
-            TP: [record.spectrum.peak_period for record in file.records],
-        },
-        index=pandas.DatetimeIndex([record.time for record in file.records]),
-    )
-    return at_equal_steps(path.name, states, file.warnings)
-
-
-def _read_csv(path: Path) -> SeaRecord:
     try:
         text = read_text(path)
         table = pandas.read_csv(io.StringIO("\n".join(text.lines)), comment="#", skipinitialspace=True)

@@ -184,20 +184,17 @@ def learn(record: SensorRecord, nominal: WinchControllerParameters, *, start: fl
     nominal : parameters of its controller
     start : of the window that is judged [s]
     """
-    beliefs = record.beliefs
-    scale = beliefs.value(ENCODER_SCALE, nominal)
-    winch = past_winch(record, winch_under(beliefs, nominal, speeds_shown(record, scale)), scale)
-    depth_scale = beliefs.value(DEPTH_SCALE, nominal)
+    scale, depth_scale = (record.beliefs.value(name, nominal) for name in (ENCODER_SCALE, DEPTH_SCALE))
+    winch = past_winch(record, winch_under(record.beliefs, nominal, speeds_shown(record, scale)), scale)
     evidence = Evidence(record, nominal, nominal_line(nominal), tip_source(record, nominal), winch, depth_scale)
     return _known(evidence, fit_cable(evidence), start)
 
 
 def tip_source(record: SensorRecord, nominal: WinchControllerParameters) -> TipSource:
     """Return what the MRU of a `record` has read, as its adviser has corrected it about the `nominal` parameters."""
-    beliefs = record.beliefs
-    mru = parameters_under(beliefs, nominal).sensors.mru
+    mru, correction = parameters_under(record.beliefs, nominal).sensors.mru, corrections(record.beliefs, nominal)["mru"]
     high_pass = HighPass(mru.high_pass_period, mru.high_pass_damping)
-    return TipSource(record.time, smoothed_tip(record, corrections(beliefs, nominal)["mru"], high_pass), high_pass)
+    return TipSource(record.time, smoothed_tip(record, correction, high_pass), high_pass)
 
 
 def _known(evidence: Evidence, fit: CableFit, start: float) -> Known:

@@ -57,8 +57,8 @@ def check_record(record: SensorRecord, start: float, where: str) -> None:
 
     Raises CommandError, in one line, for the first reason.
     """
-    left = float(record.time[-1]) - max(start, float(record.time[0]) + BEGINS)
-    if left < SHORTEST:
+    left = record.duration - max(start - (record.first - 1) * record.tick_period, BEGINS)
+    if not record.ticks or left < SHORTEST:
         raise CommandError(
             f"{where}: {max(left, 0.0):.0f} s are left after its transient of {start:g} s; {SHORTEST:g} s at least are "
             "needed: record longer, or give another --end"
@@ -107,9 +107,12 @@ def reported(known: Known) -> list[tuple[str, bool, str]]:
     """Return what the record shows by what is `known` of it: of what, whether, and why, in words."""
     fit, record, window = known.fit, known.past.record, known.window
     reached, moved = limit_words(record.limits_hit[window]), winch_moved(known)
-    plant = f"inertia within {100.0 * fit.sigma(INERTIA):.1f} %, chi2 {fit.chi2:.1f}"
     return [
-        ("cable and unit", fit.tells(INERTIA), plant),
+        (
+            "cable and unit",
+            fit.tells(INERTIA),
+            f"inertia within {100.0 * fit.sigma(INERTIA):.1f} %, chi2 {fit.chi2:.1f}",
+        ),
         ("damping", fit.tells(DAMPING), f"within {100.0 * fit.sigma(DAMPING):.0f} %"),
         ("winch", moved, "it answered orders" if moved else "it stood still"),
         ("winch limits", bool(reached), f"reached: {reached}" if reached else "they were never reached"),
@@ -180,15 +183,9 @@ class Result:
     """All that a command has to say."""
 
     settings: Sequence[str]  # changes that were asked for, as for `--set`
-    notes: Sequence[str]  # on the record as it was read, a line each
     known: Known  # by the record
     recorded: Figures  # figures of the record itself
     answers: Sequence[Answer]  # the first asked first
-
-    @property
-    def warnings(self) -> list[str]:
-        """What a reader must be aware of, a line each."""
-        return [*self.notes, *warnings(self.known, self.answers)]
 
     @property
     def rows(self) -> list[Row]:
@@ -235,13 +232,11 @@ def to_json(result: Result) -> dict[str, Any]:
     """Return all of a `result` for a machine; bands are of 90 %."""
     known = result.known
     return {
-        "settings": list(result.settings),
         "reported": {of: is_reported for of, is_reported, _ in reported(known)},
         "identified": {name: [value, known.fit.sigma(name)] for name, value in known.fit.values.items()},
         "chi2": known.fit.chi2,
-        "uncompensated_sigma_m": off_sigma(known),
         "recorded": dict(result.recorded.values),
-        "warnings": result.warnings,
+        "warnings": warnings(known, result.answers),
         "answers": [
             {
                 "name": one.asked.law,

@@ -21,7 +21,7 @@ from scipy.optimize import OptimizeResult, least_squares
 from winch_controller_node.node_parameters import WinchControllerParameters
 
 from heave_studies.whatif.record import SensorRecord
-from heave_studies.whatif.spectra import BAND, Speeds, Tip, TipSource, Transform, gains_over_top, noise_power
+from heave_studies.whatif.spectra import BAND, Tip, TipSource, Transform, gains_over_top, noise_power
 from heave_studies.whatif.twin import Drive, PastWinch, PlantFactors, driven, scaled_line
 
 INERTIA, DAMPING, CABLE_DRAG = "cable.inertia_factor", "cable.damping_factor", "cable.drag_factor"
@@ -119,10 +119,14 @@ class Evidence:
 
     @cached_property
     def tip_noise(self) -> Array:
-        """Power of what is not known of the boom tip (k,) [m2 s]."""
-        times, heave = self.record.mru.T
-        noise = noise_power(times, heave, self.start, self.end, self.source.plain.sigma)
-        return np.asarray(noise / np.abs(self.source.high_pass.response(self.omegas)) ** 2)
+        """Power of what is not known of the boom tip (k,) [m2 s]: heave and its rate are two readings of it."""
+        times, heave, rate = self.record.mru.T
+        power = np.full(
+            len(self.omegas), 1.0 / noise_power(times, heave, self.start, self.end, self.source.plain.sigma)
+        )
+        if np.isfinite(rate).all():
+            power += self.omegas**2 / noise_power(times, rate, self.start, self.end, self.source.plain.sigma)
+        return np.asarray(1.0 / (power * np.abs(self.source.high_pass.response(self.omegas)) ** 2))
 
     def line(self, values: Values) -> AxialLine:
         """Return cable and unit under `values`, their stiffness as nominal."""
@@ -186,7 +190,7 @@ class Evidence:
         return math.sqrt(float(np.sum(power)) * step / math.pi)
 
     @cached_property
-    def _speeds(self) -> Speeds:
+    def _speeds(self) -> tuple[float, float]:
         """Speeds by which drag is linearised: of the unit as read, and of the outlet."""
         inside = (self.record.time >= self.start) & (self.record.time <= self.end)
         outlet = self.source.plain.rate - self.winch.rate
@@ -194,7 +198,7 @@ class Evidence:
         power = np.maximum(np.abs(self.seen[0]) ** 2 - self.noise[0], 0.0)
         # one-sided density over omega: twice the power over 2 pi
         unit = math.sqrt(float(np.sum(self.omegas**2 * power)) * step / math.pi)
-        return Speeds(unit, float(np.std(outlet[inside])))
+        return unit, float(np.std(outlet[inside]))
 
 
 STEPS, STEP = {DAMPING: 0.05, CABLE_DRAG: 0.05}, 0.003

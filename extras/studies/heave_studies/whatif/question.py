@@ -51,8 +51,7 @@ def ask(
     try:
         asked_of(before, after, laws, winch_under(NOMINAL, nominal), has_adviser=True)
         record = read_record(bag, nominal, progress=lambda share: show("reading", share))
-        notes = [*bag.notes, *map(str, bag.losses)]
-        warn(notes)
+        warn([*bag.notes, *map(str, bag.losses)])
         record = record if end is None else record.part(end)
         check_record(record, before.run.transient, str(source))
         show("the same law again, cable and unit", 0.0)
@@ -70,7 +69,7 @@ def ask(
             found = answers(known, wanted, others, run=shown)
     except (DesignError, PlantError) as error:
         raise CommandError(f"{source}: {error}") from error
-    return Result(settings, notes, known, recorded(known), found)
+    return Result(settings, known, recorded(known), found)
 
 
 def asked_of(

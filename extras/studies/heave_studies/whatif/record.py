@@ -96,14 +96,14 @@ class SensorRecord:
 
     @cached_property
     def mru(self) -> Array:
-        """Times and heaves that the MRU read and stands by, shape (m, 2) [s], [m]."""
+        """Times, heaves and heave rates that the MRU read and stands by, shape (m, 3) [s], [m], [m/s]."""
         rows = [
-            (one.time, one.heave)
+            (one.time, one.heave, one.heave_rate)
             for of_tick in self.measurements
             for one in of_tick.mru
             if one.status == MruStatus.OK and np.isfinite(one.heave)
         ]
-        return np.array(rows).reshape(-1, 2)
+        return np.array(rows).reshape(-1, 3)
 
     def scalar(self, sensor: str) -> Array:
         """Return times and finite values that a `sensor` read, shape (m, 2), in its unit."""
@@ -144,7 +144,6 @@ def bridged(values: Array) -> Array:
     return np.interp(places, places[good], values[good])
 
 
-ORDER = ("sequence", "payout", "payout_rate", "brake")
 WINCH, COMMAND, STATE = topics.WINCH_STATE.name, topics.WINCH_COMMAND.name, topics.CONTROLLER_STATE.name
 BELIEFS, DIAGNOSTICS = topics.CONTROLLER_BELIEFS.name, topics.DIAGNOSTICS.name
 
@@ -159,7 +158,7 @@ NEEDED = {
 
 SELECTION: dict[str, tuple[str, ...]] = {
     WINCH: WINCH_STATE,
-    COMMAND: ORDER,
+    COMMAND: WinchOrder._fields,
     STATE: ("mode", "depth_set_point"),
     BELIEFS: ("values[].quantity", "values[].value"),
     DIAGNOSTICS: ("status[].level", "status[].name", "status[].message"),
@@ -186,7 +185,7 @@ def read_record(bag: Bag, nominal: WinchControllerParameters, *, progress: Progr
     except ValueError as error:
         raise CommandError(f"{bag.path}: does not say its tick period") from error
     columns = bag.columns({topic: of for topic, of in SELECTION.items() if bag.has(topic)}, progress=progress)
-    rows = zip(*(columns[COMMAND][name].tolist() for name in ORDER), strict=True)
+    rows = zip(*(columns[COMMAND][name].tolist() for name in WinchOrder._fields), strict=True)
     orders = dict(zip((_stamps(columns[COMMAND]) // period).tolist(), (WinchOrder(*row) for row in rows), strict=True))
     ticks = range(min(orders), max(orders) + 1)
     given = {
@@ -226,7 +225,7 @@ def _stamps(columns: Columns) -> NDArray[np.int64]:
 
 
 def newest_beliefs(columns: Columns | None) -> Beliefs:
-    """Return the adviser's newest answer, by the `columns` of its topic; None: there was no adviser."""
+    """Return the adviser's newest answer, by the `columns` of its topic."""
     if columns is None or not len(columns[TIME]):
         return NOMINAL
     last = {name: values[-1] for name, values in columns.items()}

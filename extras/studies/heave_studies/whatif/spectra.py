@@ -1,7 +1,8 @@
 """Transforms of readings at their own times, Wiener's smoother, the boom tip, and the cable's transfer function.
 
 Wiener, Extrapolation, Interpolation and Smoothing of Stationary Time Series (1949), in the frequency domain: each
-frequency is weighed by the share of its power that is no noise. One rule for boom tip, unit and drum.
+frequency is weighed by the share of its power that is no noise. One rule for boom tip, unit and drum. Heave and heave
+rate of an MRU are two readings of one motion, weighed by their noise; what is left in the noise is left out.
 """
 
 from __future__ import annotations
@@ -15,8 +16,8 @@ from cable_sim_node.physics.drag import HARMONIC_DRAG
 from cable_sim_node.vertical.axial_line import AxialLine
 from cable_sim_node.vertical.linear import march
 from heave_node.numerics.arrays import Array, ComplexArray
+from scipy import stats
 from scipy.fft import dct, idct
-from scipy.signal.windows import tukey
 from winch_controller_node.beliefs.beliefs import Correction
 
 from heave_studies.whatif.record import SensorRecord
@@ -81,25 +82,18 @@ def noise_power(times: Array, values: Array, start: float, end: float, stated: f
     if highest < LEAST_BAND * QUIET:
         return stated**2 * spacing
     omegas = np.linspace(QUIET, highest, QUIET_COUNT)
-    return noise_level(np.abs(Transform(times, omegas, start, end)(values)) ** 2)
+    return noise_level(np.abs(Transform(times, omegas, start, end)(values)) ** 2, 2)
 
 
-def noise_level(power: Array) -> float:
-    """Return the power of white noise in a periodogram, `power` at quiet frequencies: no narrow resonance moves it.
+def noise_level(power: Array, squares: int) -> float:
+    """Return the power of white noise in a spectrum, `power` at quiet frequencies: no narrow resonance moves it.
 
-    The median of an exponential distribution is log 2 of its mean.
+    Each is a mean of so many `squares` of Gaussian numbers: two in a periodogram, one in that of a mirrored record.
     """
-    return float(np.median(power)) / math.log(2.0)
+    return float(np.median(power) * squares / stats.chi2.median(squares))
 
 
-class Speeds(NamedTuple):
-    """Standard deviation of the vertical speed of the cable's ends, by which drag is linearised."""
-
-    unit: float  # of the lower end [m/s]
-    top: float  # of the end at the outlet [m/s]
-
-
-def gains_over_top(line: AxialLine, length: float, omegas: Array, speeds: Speeds) -> ComplexArray:
+def gains_over_top(line: AxialLine, length: float, omegas: Array, speeds: tuple[float, float]) -> ComplexArray:
     """Return heave of the unit, and the top tension [N/m], over the heave of the cable's top end, (2, k).
 
     Parameters
@@ -107,15 +101,16 @@ def gains_over_top(line: AxialLine, length: float, omegas: Array, speeds: Speeds
     line : cable and unit
     length : unstretched cable [m]
     omegas : angular frequencies (k,) [rad/s]
-    speeds : by which the drag of unit and cable is linearised
+    speeds : standard deviation of the vertical speed of unit and outlet, by which drag is linearised [m/s]
 
     The ends move independently of one another, and each piece with its share of both.
     """
     pieces = line.pieces(length)
     lengths = np.array([piece.length for piece in pieces])
     share = (np.cumsum(lengths) - 0.5 * lengths) / length
-    along = np.hypot((1.0 - share) * speeds.unit, share * speeds.top)
-    of_places = RANDOM_DRAG / HARMONIC_DRAG * np.array([speeds.unit, *along])
+    unit, top = speeds
+    along = np.hypot((1.0 - share) * unit, share * top)
+    of_places = RANDOM_DRAG / HARMONIC_DRAG * np.array([unit, *along])
     motion = march(line, pieces, omegas, np.outer(of_places, np.ones(len(omegas))))
     return np.asarray([1.0 / motion.heave[-1], motion.top_tension / motion.heave[-1]])
 
@@ -155,8 +150,7 @@ def smoothed(values: Array, period: float, stated: float = 0.0, highest: float =
     series = np.asarray(dct(values, norm="ortho"))
     smooth, count = smooth_spectrum(series**2, omega), smoothed_count(omega)
     quiet = smooth[omega > QUIET]
-    # the median of a mean of so many squares is below their mean (Wilson and Hilferty, 1931)
-    noise = float(np.median(quiet)) / (1.0 - 2.0 / (9.0 * count)) ** 3 if quiet.size >= LEAST_QUIET else stated**2
+    noise = noise_level(quiet, count) if quiet.size >= LEAST_QUIET else stated**2
     kept = np.where(omega <= highest, wiener_gain(smooth, noise, math.sqrt(2.0 / count)), 0.0)
     return Smoothed(np.asarray(idct(kept * series, norm="ortho")), omega, series**2, smooth, kept, noise)
 
@@ -254,33 +248,35 @@ def smoothed_tip(record: SensorRecord, correction: Correction, high_pass: HighPa
     Parameters
     ----------
     record : with an MRU
-    correction : of the MRU's scale, mean and delay
+    correction : of the MRU's scale and delay; its mean has no part in a heave about its own
     high_pass : that the MRU has, as far as it is known
     """
-    time, heave = record.mru.T
-    order = np.argsort(time, kind="stable")
-    heaves = np.interp(record.time + correction.delay, time[order], heave[order])
-    heaves = (heaves - correction.offset) / correction.scale
-    count, dt = len(heaves), record.tick_period
-    padding = min(count // 2, round(60.0 / dt))
-    size = count + 2 * padding
-    # its mirror image at both ends, faded out: the ends of a record do not ring
-    series = np.pad(heaves - heaves.mean(), padding, mode="reflect") * tukey(size, 2.0 * padding / size)
-    omega = np.asarray(2.0 * math.pi * np.fft.rfftfreq(size, dt), dtype=np.float64)
-    read, response = np.fft.rfft(series), high_pass.response(omega)
+    order = np.argsort(record.mru[:, 0], kind="stable")
+    time, *read = record.mru[order].T
+    heave, rate = (np.interp(record.time + correction.delay, time, one) / correction.scale for one in read)
+    count, dt = len(heave), record.tick_period
+    # with its mirror image, in which a rate turns round: it need not begin as it ends
+    X = np.fft.rfft(np.concatenate((heave, heave[::-1])) - heave.mean())
+    V = np.fft.rfft(np.concatenate((rate, -rate[::-1])))
+    omega = np.asarray(2.0 * math.pi * np.fft.rfftfreq(2 * count, dt), dtype=np.float64)
+    response = high_pass.response(omega)
+    weight_x, weight_v = (
+        np.abs(response * of) ** 2 / noise_level(np.abs(one[omega > QUIET]) ** 2, 1)
+        for of, one in ((1.0, X), (omega, V))
+    )
+    if not np.isfinite(rate).all():
+        V, weight_v = np.zeros_like(X), np.zeros_like(omega)
+    total = np.maximum(weight_x + weight_v, 1e-300)
+    by_rate = np.divide(V, 1j * omega, out=np.zeros_like(V), where=omega > 0.0)
     gain = np.divide(1.0, response, out=np.zeros_like(response), where=np.abs(response) > 1e-3)
-    noise = noise_level(np.abs(read[omega > QUIET]) ** 2) * np.abs(gain) ** 2
-    spread = math.sqrt(1.0 / smoothed_count(omega))
-    kept = wiener_gain(smooth_spectrum(np.abs(gain * read) ** 2, omega), noise, spread)
+    both = gain * (weight_x * X + weight_v * by_rate) / total
+    spread = math.sqrt(2.0 / smoothed_count(omega))
+    kept = wiener_gain(smooth_spectrum(np.abs(both) ** 2, omega), 1.0 / total, spread)
     if high_pass.period > 0.0:  # none below SLOWEST, all from half as much above
         share = np.clip((omega / SLOWEST - 1.0) / 0.5, 0.0, 1.0)
         kept = kept * share * share * (3.0 - 2.0 * share)
-    motion, inside = kept * gain * read, slice(padding, padding + count)
-    return Tip(
-        np.asarray(np.fft.irfft(motion, size)[inside]),
-        np.asarray(np.fft.irfft(1j * omega * motion, size)[inside]),
-        math.sqrt(2.0 * float(np.sum(kept * noise)) / size**2),
-    )
+    smooth = [np.asarray(np.fft.irfft(of * kept * both, 2 * count)[:count]) for of in (1.0, 1j * omega)]
+    return Tip(smooth[0], smooth[1], math.sqrt(2.0 * float(np.sum(kept / total))) / (2 * count))
 
 
 @dataclass(frozen=True)

@@ -285,8 +285,9 @@ class Replay:
                 order = WinchCommand(*outputs.order)
                 self._advance(self._winch.step(record.first + index, order, tension), index + 1)
         payout, rate, point, unit, tension, limits = np.array(rows).T.copy()
-        motions = (payout, rate, point, unit, tension)
-        return Replayed(record.time, *motions, tuple(modes), tuple(alarms), limits.astype(int))
+        return Replayed(
+            record.time, payout, rate, point, unit, tension, tuple(modes), tuple(alarms), limits.astype(int)
+        )
 
     def _step(self, index: int) -> Outputs:
         """Let the controller do the tick of an `index`, and its adviser answer."""
@@ -301,9 +302,8 @@ class Replay:
     def _advance(self, winch: WinchState, index: int) -> None:
         """Take the plant to the next tick, of an `index`, under what the winch has become, and note the differences."""
         past = self._past
-        is_other = self.is_other
-        extra = winch.payout - past.winch.modelled[index] if is_other else 0.0
-        extra_rate = winch.payout_rate - past.winch.modelled_rate[index] if is_other else 0.0
+        extra = winch.payout - past.winch.modelled[index] if self.is_other else 0.0
+        extra_rate = winch.payout_rate - past.winch.modelled_rate[index] if self.is_other else 0.0
         self._payout, self._rate = past.winch.payout[index] + extra, past.winch.rate[index] + extra_rate
         heave, heave_rate = float(past.drive.tip.heave[index]), float(past.drive.tip.rate[index])
         self._plant.advance(AxialInput(heave, heave_rate, float(self._payout), float(self._rate)))
