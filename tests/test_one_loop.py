@@ -143,7 +143,7 @@ def test_a_case_of_a_table_has_the_figures_of_its_row_over_ros_in_a_bag(tmp_path
     frame = run_study(Cases(read_study(file)), table.parent, processes=1)[0].set_index("case")
     assert frame.loc[2, "compensating_percent"] > 0.0
     for number, law in ((1, "off"), (2, "mpc")):
-        case, _ = write_case(f"{table}:{number}", tmp_path / f"{law}.yaml")
+        case = write_case(f"{table}:{number}", tmp_path / f"{law}.yaml")
         record = read_run(run_scenario(tmp_path / law, str(case), duration=25.0))
         of_bag, row = record.kpis(), frame.loc[number]
         known = [key for key in of_bag if np.isfinite(of_bag[key]) and not key.startswith("loop_age")]

@@ -142,7 +142,6 @@ class CableSim:
             acceleration=state.unit.acceleration,
             drum_tension=self._rope_path.drum_tension,
             static_top_tension=self._static_top_tension,
-            height_above_seabed=self._height_above_seabed(state),
             gravity=self._parameters.gravity,
         )
         return state, self._suite.step(tick, truth)
@@ -222,11 +221,6 @@ class CableSim:
         speed = max(map(abs, value.velocity.tolist()))
         is_fast = speed > IMPLAUSIBLE_SPEED or (signal.has_started and step > largest_step)
         return None if is_fast else value
-
-    def _height_above_seabed(self, state: PlantState) -> float:
-        has_seabed = self._parameters.seabed.depth > 0.0
-        tip = float(state.node_positions[-1, 2])
-        return self._seabed.clearance(state.unit.position, tip) if has_seabed else float("inf")
 
 
 def _at_rest(parameters: CableSimNodeParameters, boom_tip: Array, time: float) -> Dynamics:

@@ -35,8 +35,8 @@ class CableParameters(Checked):
         "Hysteresis by friction between wires: loss per cycle over 2 pi times the peak elastic energy, "
         "at any frequency; 0: none. axial_stiffness applies to large swings; where the loss is largest, "
         "the cable is stiffer by 1.6 times this factor.")  # fmt: skip
-    loss_swing: float = parameter(0.1, "", 1e-3, 1.0,
-        "Tension amplitude over mean tension at which the loss is largest; at half of it there is none.")  # fmt: skip
+    # tension amplitude over mean tension at which the loss is largest [-]; at half of it there is none
+    loss_swing: float = 0.1
     bending_stiffness: float = parameter(0.0, "N m^2", 0.0, None, "EI; 0: a perfectly flexible cable.")
     normal_drag: float = parameter(1.2, "", 0.0, None, "C_N: force (1/2) rho C_N d U^2 per metre.")
     tangential_drag: float = parameter(0.01, "", 0.0, None,
@@ -227,8 +227,7 @@ class RopePathParameters:
 class SolverParameters(Checked):
     """Settings of the time integration (generalised-alpha)."""
 
-    time_step: float = parameter(0.05, "s", 1e-6, 1.0,
-        "Largest inner step; an interval is divided into equal steps of at most this.")  # fmt: skip
+    time_step: float = 0.05  # largest inner step; an interval is divided into equal steps of at most this [s]
     # amplitude of the fastest oscillation that remains after a step: 1 keeps all energy, 0 removes it at once [-]
     spectral_radius: float = 0.8
     tolerance: float = 1e-4  # largest Newton correction accepted as converged, in segment lengths [-]

@@ -59,7 +59,7 @@ def test_plant_rests_where_it_starts_and_its_sensors_say_so() -> None:
     quiet = SensorsParameters(
         depth=DepthSensorParameters(noise=0.0, latency=0.0),
         velocity=VelocitySensorParameters(noise=0.0, latency=0.0),
-        load_cell=LoadCellParameters(relative_noise=0.0),
+        load_cell=LoadCellParameters(noise=0.0),
     )
     sim = CableSim(dataclasses.replace(S300, sensors=quiet), seed=1, tick_period=TICK)
     depths, tensions = [], []

@@ -100,7 +100,7 @@ def test_friction_needs_something_that_gives():
 
 def test_the_load_cell_reads_less_while_the_drum_pays_out_and_more_while_it_hauls():
     friction, tick = 0.04, 0.05
-    cell = dataclasses.replace(SensorsParameters(), load_cell=LoadCellParameters(relative_noise=0.0))
+    cell = dataclasses.replace(SensorsParameters(), load_cell=LoadCellParameters(noise=0.0))
     path = RopePathParameters(friction=friction, stiffness=STIFFNESS)
     plant = CableSim(CableSimNodeParameters(segments=10, rope_path=path, sensors=cell), seed=1, tick_period=tick)
     shares = []

@@ -37,7 +37,6 @@ TRUTH = SensorTruth(
     acceleration=np.array([0.5, 0.0, -1.0]),
     drum_tension=36_500.0,
     static_top_tension=36_500.0,
-    height_above_seabed=20.0,
     gravity=9.83,
 )
 
@@ -230,10 +229,10 @@ def test_wrong_sensor_parameters_are_refused_in_one_line(values: dict[str, objec
 
 QUIET = SensorsParameters(
     depth=DepthSensorParameters(noise=0.0, latency=0.0, bias=0.3),
-    velocity=VelocitySensorParameters(noise=0.0, latency=0.0, rate=20.0, bottom_range=50.0),
+    velocity=VelocitySensorParameters(noise=0.0, latency=0.0, rate=20.0),
     imu=ImuParameters(noise=0.0, gyro_noise=0.0),
     usbl=UsblParameters(noise=0.0, range_noise=0.0, latency=0.25, rate=20.0),
-    load_cell=LoadCellParameters(relative_noise=0.0),
+    load_cell=LoadCellParameters(noise=0.0),
 )
 
 
@@ -274,13 +273,6 @@ def test_usbl_comes_after_the_two_way_travel_of_sound_and_its_noise_grows_with_r
     noisy = suite(dataclasses.replace(QUIET, usbl=UsblParameters(noise=0.1, range_noise=0.003, rate=20.0)))
     sigma = next(r["usbl"][0].sigma[0] for r in (noisy.step(k, TRUTH) for k in range(1, 40)) if r["usbl"])
     assert sigma == pytest.approx(math.hypot(0.1, 0.003 * math.sqrt(300.0**2 + 25.0)))
-
-
-def test_dvl_has_no_reading_above_its_bottom_range() -> None:
-    sensors = suite(QUIET)
-    assert sensors.step(1, TRUTH)["velocity"]
-    assert not sensors.step(2, TRUTH._replace(height_above_seabed=60.0))["velocity"]
-    assert sensors.step(3, TRUTH)["velocity"]
 
 
 FAULT = st.tuples(

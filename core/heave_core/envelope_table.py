@@ -316,7 +316,7 @@ STATE = structure(
     Row("load_known", "N", "of that, what an operator knows of"),
     Row("taut_time", "s", "for which the cable has been taut"),
     Row("load_age", "s", "since that reading"),
-    Row("mean_load", "N", "of the load cell, forgotten as travel is"),
+    Row("mean_load", "N", "of the load cell, forgotten as orders at a bound are"),
     Row("unit_heave", "m", "of the nominal cable with the winch locked"),
     Row("unit_rate", "m/s", "of the nominal cable with the winch locked"),
     Row("harm_time", "s", "for which the load cell has shown harm"),

@@ -52,13 +52,13 @@ class RunParameters:
     start_timeout: float = parameter(300.0, "s", 1.0, 3600.0, "Wall time to wait for all nodes before the first tick.")
     participant_timeout: float = parameter(60.0, "s", 0.1, 3600.0,
         "Wall time for which a node may be silent, or compute one tick; then the run ends.")  # fmt: skip
-    resend_period: float = parameter(0.25, "s", 0.01, 60.0, "Wall time after which an unanswered tick is sent again.")
+    resend_period: float = 0.25  # wall time after which an unanswered tick is sent again [s]
     clock_offset_limit: float = parameter(0.1, "s", 1e-3, 1e9,
         "Real time: largest clock offset between two hosts; with a larger one the run is refused.")  # fmt: skip
     realtime_priority: int = parameter(0, "", 0, 99,
         "Real time: priority (SCHED_FIFO) of the nodes in the loop, whose memory is locked; 0: none.")  # fmt: skip
-    in_tick_wait: float = parameter(0.4, "", 0.0, 0.9,
-        "Real time: fraction of the tick for which a node waits for inputs; then it uses the newest.")  # fmt: skip
+    # real time: fraction of the tick for which a node waits for inputs; then it uses the newest [-]
+    in_tick_wait: float = 0.4
 
     time_budgets: tuple[str, ...] = parameter((),
         description="Real time: limits per node, as NODE=QUANTITY:S: period (time between ticks), age (of a tick at "

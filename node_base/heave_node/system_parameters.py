@@ -25,15 +25,16 @@ SYSTEM = "system."
 _WINCH = (
     *("law", "time_constant", "position_gain", "position_rate", "command_delay"),
     *("speed_limit", "acceleration_limit", "payout_minimum", "payout_maximum", "power_limit"),
+    *("speed_gain", "creep"),
 )
 _SEA = (
     *("spectrum", "significant_wave_height", "peak_period", "peak_enhancement", "shape", "direction"),
-    *("spectrum_file", "spectrum_record", "spectrum_time"),
+    *("spectrum_file", "spectrum_time"),
 )
 _CRANE = ("boom_length", "jib_length", "offset", "slew", "luff", "knuckle", "extension")
 _COURSE = ("heading", "speed")
-_MRU = ("noise", "rate_noise", "high_pass_period", "high_pass_damping")
-_DEPTH = ("noise", "rate", "latency")
+_MRU = ("noise", "rate_noise", "high_pass_period", "latency")
+_UNIT_SENSORS = ("depth", "velocity", "imu", "load_cell")
 
 
 @dataclass(frozen=True)
@@ -84,8 +85,9 @@ SHARED: tuple[Shared, ...] = (
         for name in _MRU
     ),
     *(
-        _shared(f"sensors.depth.{name}", cable_sim=f"sensors.depth.{name}", winch_controller=f"sensors.depth.{name}")
-        for name in _DEPTH
+        _shared(name, cable_sim=name, winch_controller=name)
+        for sensor in _UNIT_SENSORS
+        for name in (f"sensors.{sensor}.{what}" for what in ("noise", "rate", "latency"))
     ),
 )
 """The one table of shared names."""

@@ -78,7 +78,6 @@ class Pair:
     warned: bool  # something was said against it
     lost: float  # compensation was given up, as predicted: probability
     true_lost: bool  # as it was
-    again: bool  # the same law gave the record again
     off: float  # standard deviation of the unit with the winch locked, as predicted [m]
     true_off: float  # as it was [m]
 
@@ -118,6 +117,7 @@ class Recording(ClosedLoop):
             tuple(one.order for one in done),
             np.array([one.depth_set_point for one in done]),
             tuple(one.mode for one in done),
+            beliefs=self.controller.beliefs,
         )
 
 
@@ -174,13 +174,13 @@ def run_draw(draw: Draw, draws: int) -> tuple[list[Pair], str]:
     sigmas = recorded(known).values["unit_sigma_m"], truth.unit_sigma(TRANSIENT)
     off, given = truth.uncompensated_sigma(TRANSIENT), [one for one in found if not one.is_refused]
     pairs = [_pair(draw, known, one, off, sigmas) for one in given]
-    head += "".join(f"; {one.asked.name} gives up [refused]" for one in found if one.is_refused)
+    head += "".join(f"; {one.asked.law} gives up [refused]" for one in found if one.is_refused)
     values = ", ".join(f"{name} {value:.3f}" for name, value in known.fit.values.items())
     return pairs, f"{head}\n  {values}; chi2 {known.fit.chi2:.1f}; {time.process_time() - began:.0f} s"
 
 
 def _asked(nominal: Any, law: str) -> Asked:
-    return Asked(law, replace(nominal, law=law))
+    return Asked(replace(nominal, law=law))
 
 
 def _pair(draw: Draw, known: Known, found: Answer, off: float, sigmas: tuple[float, float]) -> Pair:
@@ -192,7 +192,7 @@ def _pair(draw: Draw, known: Known, found: Answer, off: float, sigmas: tuple[flo
     off : standard deviation of the unit with the winch locked, as it was [m]
     sigmas : that of the record, as predicted and as it was [m]
     """
-    law = found.asked.controller.law
+    law = found.asked.law
     # the plant that is kept beside each run is what no compensation would have done
     truth = None if law == OFF else ClosedLoop(loop_parameters(scenario_of(draw, law))).run()
     modes = [] if truth is None else truth.modes
@@ -210,9 +210,8 @@ def _pair(draw: Draw, known: Known, found: Answer, off: float, sigmas: tuple[flo
         true_sigma=sigma,
         tells=not lacks(known, found),
         warned=bool(warnings(known, [found])),
-        lost=found.fade_out,
+        lost=found.lost / found.plants,
         true_lost=bool({"fade_out", "stopping", "stopped"} & set(begun)),
-        again=known.again.is_same,
         off=off_sigma(known),
         true_off=off,
     )

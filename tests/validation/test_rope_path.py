@@ -128,7 +128,7 @@ def test_a_compensator_and_a_rope_path_that_gives_are_not_both_the_spring():
 def test_the_load_cell_has_the_loop_of_the_friction_over_payout(gallery, amplitude):
     """A slow drum, 300 m system: H (2 a - H/k) a cycle, H = 2 T sinh f; 0.2 m of cable weighs 7 N of 36.5 kN."""
     friction, stiffness, period, tick = 0.05, 2e6, 120.0, 0.05
-    sensors = dataclasses.replace(SensorsParameters(), load_cell=LoadCellParameters(relative_noise=0.0))
+    sensors = dataclasses.replace(SensorsParameters(), load_cell=LoadCellParameters(noise=0.0))
     path = RopePathParameters(friction=friction, stiffness=stiffness)
     plant = CableSim(CableSimNodeParameters(segments=10, rope_path=path, sensors=sensors), seed=1, tick_period=tick)
     payouts, read, pulls, omega = [], [], [], 2.0 * math.pi / period

@@ -124,18 +124,18 @@ def test_a_bag_of_boom_tip_motion_is_read_whatever_its_frame_is_called(tmp_path,
 def test_a_bag_of_mru_samples_is_read(tmp_path):
     messages = [stamped(MruSample, t, sequence=i, status=1, heave=math.cos(t)) for i, t in enumerate(TIME[1:100])]
     path = write_bag(tmp_path / "m.mcap", "heave_msgs/msg/MruSample", messages, "/mru")
-    recording = read_recording(path, "mru")
+    recording = read_recording(path)
     expected = np.cos(TIME[1:100])
     np.testing.assert_allclose(recording.position[:, 2], expected - expected.mean(), atol=1e-12)
 
 
 def test_a_bag_without_the_topic_or_cut_short_is_refused(tmp_path):
-    path = write_bag(tmp_path / "m.mcap", "heave_msgs/msg/MruSample", [stamped(MruSample, 1.0)], "/mru")
-    with pytest.raises(RecordingError, match="no topic boom_tip; found /mru"):
+    path = write_bag(tmp_path / "m.mcap", "heave_msgs/msg/MruSample", [stamped(MruSample, 1.0)], "/gyro")
+    with pytest.raises(RecordingError, match="no topic boom_tip or mru; found /gyro"):
         read_recording(path)
     path.write_bytes(path.read_bytes()[:60])
     with pytest.raises(RecordingError, match="not a complete MCAP file"):
-        read_recording(path, "mru")
+        read_recording(path)
     (tmp_path / "empty").mkdir()
     with pytest.raises(RecordingError, match=r"has no \.mcap file"):
         read_recording(tmp_path / "empty")
@@ -146,7 +146,7 @@ def test_samples_that_the_mru_calls_invalid_are_left_out(tmp_path):
         stamped(MruSample, t, status=2 * (10 <= i < 15), heave=99.0 if 10 <= i < 15 else math.cos(t))
         for i, t in enumerate(TIME[1:100])
     ]
-    recording = read_recording(write_bag(tmp_path / "m.mcap", "heave_msgs/msg/MruSample", messages, "/mru"), "mru")
+    recording = read_recording(write_bag(tmp_path / "m.mcap", "heave_msgs/msg/MruSample", messages, "/mru"))
     assert np.abs(recording.position).max() < 2.0
     assert "5 non-numeric or invalid samples skipped" in recording.warnings[0]
 
@@ -155,11 +155,11 @@ def test_split_files_are_joined_by_their_stamps_not_by_their_names(tmp_path):
     folder = tmp_path / "bag"
     folder.mkdir()
     messages = [stamped(MruSample, t, heave=math.cos(t)) for t in TIME[1:100]]
-    whole = read_recording(write_bag(tmp_path / "m.mcap", "heave_msgs/msg/MruSample", messages, "/mru"), "mru")
+    whole = read_recording(write_bag(tmp_path / "m.mcap", "heave_msgs/msg/MruSample", messages, "/mru"))
     for name, part in (("bag_50", messages[:33]), ("bag_30", messages[33:66]), ("bag_10", messages[66:])):
         write_bag(folder / f"{name}.mcap", "heave_msgs/msg/MruSample", part, "/mru")
     (folder / "._bag_50.mcap").write_bytes(b"left by another system")
-    split = read_recording(folder, "mru")
+    split = read_recording(folder)
     np.testing.assert_array_equal(split.time, whole.time)
     np.testing.assert_array_equal(split.position, whole.position)
     assert split.warnings == ()
@@ -209,7 +209,7 @@ def test_a_bad_file_costs_a_bag_nothing_but_itself(tmp_path, content, says):
         (tmp_path / "bag" / "bag_2.mcap").unlink()
     else:
         (tmp_path / "bag" / "bag_2.mcap").write_bytes(content)
-    recording = read_recording(tmp_path / "bag", "mru")
+    recording = read_recording(tmp_path / "bag")
     np.testing.assert_allclose(recording.position[:, 2], expected - expected.mean(), atol=1e-12)
     (warning,) = recording.warnings
     assert says in warning
@@ -225,7 +225,7 @@ def test_a_file_without_its_end_is_read_as_far_as_it_goes(tmp_path):
     for t in TIME[66:99]:
         writer.add_message(channel, 1, bytes(serialize_message(stamped(MruSample, t, heave=math.cos(t)))), 1)
     opened.close()  # never finished, as after a power cut
-    recording = read_recording(tmp_path / "bag", "mru")
+    recording = read_recording(tmp_path / "bag")
     assert len(recording.time) == 99
     (warning,) = recording.warnings
     assert "bag_2.mcap: is not a complete MCAP file" in warning
@@ -236,7 +236,7 @@ def test_a_gap_names_the_file_that_is_missing(tmp_path):
     mru_bag(tmp_path / "bag")
     (tmp_path / "bag" / "bag_1.mcap").unlink()
     with pytest.raises(RecordingError, match=r"no sample for 3\.4 s after 3\.2 s.*bag_1\.mcap: the file is missing"):
-        read_recording(tmp_path / "bag", "mru")
+        read_recording(tmp_path / "bag")
 
 
 def test_a_compressed_bag_is_refused_with_the_command_that_unpacks_it(tmp_path):
@@ -251,7 +251,7 @@ def test_a_compressed_bag_is_refused_with_the_command_that_unpacks_it(tmp_path):
             writer.add_message(channel, 1, zstandard.compress(bytes(serialize_message(message))), 1)
         writer.finish()
     with pytest.raises(RecordingError, match=r"compressed one by one; write it anew: ros2 bag convert"):
-        read_recording(path, "mru")
+        read_recording(path)
     path.rename(tmp_path / "m.mcap.zstd")
     with pytest.raises(RecordingError, match=r"m\.mcap\.zstd is compressed; unpack it: zstd -d"):
-        read_recording(tmp_path, "mru")
+        read_recording(tmp_path)

@@ -43,7 +43,7 @@ class VesselAnswer:
 class VesselParameters(VesselAnswer):
     """How the vessel answers the sea."""
 
-    gain: float = parameter(1.0, "", 0.0, 10.0, "K_v: boom-tip heave per wave elevation at low frequency.")
+    gain: float = parameter(1.0, "", 1e-3, 10.0, "K_v: boom-tip heave per wave elevation at low frequency.")
     pitch_gain: float = parameter(0.0, "", 0.0, 5.0,
         "Pitch of the second-order vessel per wave slope at low frequency (odometry, lever-arm error).")  # fmt: skip
 
@@ -59,8 +59,7 @@ class LoadResponseParameters:
         "Metacentric heights: transverse, longitudinal.", length=2)  # fmt: skip
     natural_period: tuple[float, ...] = parameter((7.0, 12.0, 6.5), "s", 1.0, 100.0,
         "Natural periods of heave, roll and pitch.", length=3)  # fmt: skip
-    damping_ratio: tuple[float, ...] = parameter((0.3, 0.06, 0.3), "", 0.0, 2.0,
-        "Damping ratios of heave, roll and pitch.", length=3)  # fmt: skip
+    damping_ratio: tuple[float, ...] = (0.3, 0.06, 0.3)  # damping ratios of heave, roll and pitch [-]
 
 
 @dataclass(frozen=True)
@@ -89,7 +88,7 @@ class MruParameters:
     rate_resolution: float = parameter(0.0, "m/s", 0.0, 1.0, "Resolution of heave rate; 0: none.")
     high_pass_period: float = parameter(0.0, "s", 0.0, 300.0,
         "Cut-off period of the second-order high-pass filter; 0: no filter.")  # fmt: skip
-    high_pass_damping: float = parameter(0.7071, "", 0.2, 2.0, "Damping ratio of the high-pass filter.")
+    high_pass_damping: float = 0.7071  # damping ratio of the high-pass filter [-]
     scale_error: float = parameter(0.0, "", -0.5, 0.5, "Relative scale error: 0.05 reads 5 % high.")
     lever_arm_error: tuple[float, ...] = parameter((0.0, 0.0, 0.0), "m", -10.0, 10.0,
         "Error of the lever arm entered in the MRU, vessel axes; it couples pitch and roll into heave.",
@@ -114,7 +113,7 @@ class MruParameters:
 class SeaStateEstimateParameters:
     """The running estimate of the sea state from the MRU record."""
 
-    period: float = parameter(30.0, "s", 1.0, 3600.0, "Interval between estimates.")
+    period: float = 30.0  # interval between estimates [s]
     window: float = 1800.0  # length of the record on which the estimate is based [s]
     segment: float = 200.0  # length of one Welch segment, half overlapping [s]
 
@@ -126,7 +125,7 @@ _WHERE = "after each of move_times; empty: unchanged."
 class PoseSensorParameters(SensorParameters):
     """Encoders of the crane's joints, read together. A scale, and a fault of one, is that of all of them."""
 
-    rate: float = parameter(20.0, "Hz", 1e-3, 10_000.0, "Samples per second.")
+    rate: float = parameter(20.0, "Hz", 0.01, 1000.0, "Samples per second.")
     angle_resolution: float = 0.0  # step of the measured angles [rad]; 0 means none
 
     def view(self, truth: Array) -> View:
@@ -146,7 +145,7 @@ class CraneMotionParameters(CraneParameters):
     move_knuckle: tuple[float, ...] = parameter((), "rad", -3.2, 3.2, f"Knuckle {_WHERE}")
     move_extension: tuple[float, ...] = parameter((), "m", -100.0, 100.0, f"Extension {_WHERE}")
     turn_rate: float = parameter(0.035, "rad/s", 1e-4, 1.0, "Largest rate of an angle during a move.")
-    extension_rate: float = parameter(0.2, "m/s", 1e-4, 10.0, "Largest rate of the extension during a move.")
+    extension_rate: float = 0.2  # largest rate of the extension during a move [m/s]
     pose: PoseSensorParameters = group(PoseSensorParameters)
 
     def __post_init__(self) -> None:
@@ -252,16 +251,12 @@ class WaveVesselParameters(SeaParameters):
     spectrum_file: str = parameter("",
         description="Measured spectrum for spectrum = file: NDBC real-time or historical, or what wavespectra reads.",
     )  # fmt: skip
-    spectrum_record: int = parameter(0, "", 0, None,
-        "Index of the usable spectrum in the file, from 0 in order of time.")  # fmt: skip
     spectrum_time: str = parameter("",
-        description="Take the spectrum nearest to this time (UTC, like 1996-06-14T18:00); empty: by record.",
+        description="Take the spectrum nearest to this time (UTC, like 1996-06-14T18:00); empty: the first one.",
     )  # fmt: skip
     recording_file: str = parameter("",
-        description="Recording of the boom tip for boom_tip_source = file: CSV, or a bag (folder or .mcap).",
-    )  # fmt: skip
-    recording_topic: str = parameter("boom_tip",
-        description="Topic to read from a bag: boom_tip or mru (any namespace).")  # fmt: skip
+        description="Recording of the boom tip for boom_tip_source = file: CSV, or a bag (folder or .mcap) with topic "
+        "boom_tip, else mru.")  # fmt: skip
     accept_implausible: bool = parameter(False,
         description="Accept implausible values in sea, motion and RAO files.")  # fmt: skip
     filter: ShapingFilterParameters = group(ShapingFilterParameters)

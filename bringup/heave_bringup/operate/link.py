@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import os
 import time
 from typing import Any
@@ -359,7 +358,6 @@ class RunLink:
             message.predicted_uncompensated_heave,
             message.depth_set_point,
             tuple(message.active_limits),
-            _unit_error(message),
         )
 
     def _on_winch(self, message: WinchState) -> None:
@@ -389,9 +387,3 @@ class RunLink:
             if part.name == MODE_PART:
                 reported = {value.key: value.value for value in part.values}
                 self.situation.depth = float(reported.get("mean depth [m]", "nan"))
-
-
-def _unit_error(message: ControllerState) -> float:
-    """Return the standard deviation of the error of the unit's estimated heave [m]; NaN where it is not known."""
-    variance = dict(zip(message.state_names, message.covariance_diagonal, strict=False)).get("unit_heave", math.nan)
-    return math.sqrt(variance) if variance >= 0.0 else math.nan

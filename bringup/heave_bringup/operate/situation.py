@@ -41,7 +41,6 @@ class ControllerStatus:
     uncompensated_heave: float = UNKNOWN  # estimated, about their means, positive up [m]
     mean_payout: float = UNKNOWN  # about which compensation works, positive lowers [m]
     limits: tuple[str, ...] = ()  # that shape the command
-    unit_error: float = UNKNOWN  # standard deviation of the error of that of the unit, by the filter [m]
 
 
 @dataclass

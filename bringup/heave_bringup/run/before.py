@@ -42,11 +42,8 @@ def check_files(scenario: Scenario) -> list[str]:
     warnings: list[str] = []
     try:
         if is_recording:
-            warnings += read_recording(
-                parameters.recording_file,
-                parameters.recording_topic,
-                accept_implausible=parameters.accept_implausible,
-            ).warnings
+            recording = read_recording(parameters.recording_file, accept_implausible=parameters.accept_implausible)
+            warnings += recording.warnings
         if SOURCES[parameters.boom_tip_source].has_sea:
             warnings += build_scene(parameters, scenario.run.seed, scenario.run.tick_period).warnings
     except ValueError as error:

@@ -26,7 +26,6 @@ class SensorTruth(NamedTuple):
     # of the rope on the drum's side of its sheaves; the top tension where they have no friction [N]
     drum_tension: float
     static_top_tension: float  # at rest at the start [N]
-    height_above_seabed: float  # of the unit [m]; infinite without a seabed
     gravity: float  # [m/s^2]
 
 
@@ -34,7 +33,7 @@ class SensorTruth(NamedTuple):
 class DepthSensorParameters(SensorParameters):
     """Pressure sensor of the unit. The pressure is that of still water above it: waves do not reach the unit."""
 
-    latency: float = parameter(0.1, "s", 0.0, 600.0, "Delay from time stamp to delivery.")
+    latency: float = parameter(0.1, "s", 0.0, 5.0, "Delay from time stamp to delivery.")
     noise: float = parameter(0.02, "m", 0.0, 100.0, "Standard deviation of white noise, in depth.")
     bias: float = parameter(0.0, "m", -1000.0, 1000.0, "Constant error, in depth.")
     resolution: float = parameter(0.0, "m", 0.0, 10.0, "Resolution, in depth; 0: none.")
@@ -48,26 +47,21 @@ class DepthSensorParameters(SensorParameters):
 class VelocitySensorParameters(SensorParameters):
     """Doppler velocity log (DVL): velocity over ground of the unit."""
 
-    rate: float = parameter(5.0, "Hz", 1e-3, 10_000.0, "Samples per second.")
-    latency: float = parameter(0.1, "s", 0.0, 600.0, "Delay from time stamp to delivery.")
+    rate: float = parameter(5.0, "Hz", 0.01, 1000.0, "Samples per second.")
+    latency: float = parameter(0.1, "s", 0.0, 5.0, "Delay from time stamp to delivery.")
     noise: float = parameter(0.01, "m/s", 0.0, 100.0, "Standard deviation of white noise on each axis.")
-    bias: float = parameter(0.0, "m/s", -100.0, 100.0, "Constant error on each axis.")
-    bottom_range: float = parameter(0.0, "m", 0.0, 20_000.0,
-        "Largest height above the seabed at which there is bottom lock; 0: lock everywhere.")  # fmt: skip
 
     def view(self, truth: SensorTruth) -> View:
-        """See the velocity over ground x, y, z [m/s], where there is bottom lock."""
-        has_lock = self.bottom_range == 0.0 or truth.height_above_seabed <= self.bottom_range
-        return View(truth.velocity, self.noise, self.bias, is_available=has_lock)
+        """See the velocity over ground x, y, z [m/s]."""
+        return View(truth.velocity, self.noise)
 
 
 @dataclass(frozen=True)
 class ImuParameters(SensorParameters):
     """Inertial measurement unit of the unit: specific force, world axes (the unit does not turn)."""
 
-    rate: float = parameter(20.0, "Hz", 1e-3, 10_000.0, "Samples per second.")
+    rate: float = parameter(20.0, "Hz", 0.01, 1000.0, "Samples per second.")
     noise: float = parameter(0.005, "m/s^2", 0.0, 100.0, "Standard deviation of white noise on each axis.")
-    bias: float = parameter(0.0, "m/s^2", -100.0, 100.0, "Constant error on each axis.")
     gyro_noise: float = 0.0005  # standard deviation of the turn-rate noise [rad/s]
 
     def view(self, truth: SensorTruth) -> View:
@@ -76,7 +70,6 @@ class ImuParameters(SensorParameters):
         return View(
             np.array([x, y, z + truth.gravity, 0.0, 0.0, 0.0]),
             np.array([self.noise] * 3 + [self.gyro_noise] * 3),
-            np.array([self.bias] * 3 + [0.0] * 3),
         )
 
 
@@ -87,33 +80,31 @@ class UsblParameters(SensorParameters):
     The noise grows with the slant range, and the reading comes later by the two-way travel of sound.
     """
 
-    rate: float = parameter(0.5, "Hz", 1e-3, 10_000.0, "Samples per second.")
+    rate: float = parameter(0.5, "Hz", 0.01, 1000.0, "Samples per second.")
     latency: float = parameter(0.3, "s", 0.0, 600.0,
         "Processing time, from the arrival of the reply to the delivery of the reading.")  # fmt: skip
     noise: float = parameter(0.1, "m", 0.0, 1000.0, "Standard deviation on each axis at zero range.")
     range_noise: float = 0.003  # standard deviation on each axis per slant range [-]
-    bias: float = parameter(0.0, "m", -1000.0, 1000.0, "Constant error on each axis.")
     sound_speed: float = 1500.0  # speed of sound [m/s]
 
     def view(self, truth: SensorTruth) -> View:
         """See the position x, y, z [m], later by the way of the sound."""
         slant_range = float(np.linalg.norm(truth.position))
         sigma = math.hypot(self.noise, self.range_noise * slant_range)
-        return View(truth.position, sigma, self.bias, extra_latency=2.0 * slant_range / self.sound_speed)
+        return View(truth.position, sigma, extra_latency=2.0 * slant_range / self.sound_speed)
 
 
 @dataclass(frozen=True)
 class LoadCellParameters(SensorParameters):
     """Load cell between drum and boom tip: top tension, less or more what `rope_path.friction` takes."""
 
-    rate: float = parameter(20.0, "Hz", 1e-3, 10_000.0, "Samples per second.")
-    relative_noise: float = parameter(0.005, "", 0.0, 1.0,
+    rate: float = parameter(20.0, "Hz", 0.01, 1000.0, "Samples per second.")
+    noise: float = parameter(0.005, "", 0.0, 1.0,
         "Standard deviation of white noise, as a fraction of the static tension at the start.")  # fmt: skip
-    bias: float = parameter(0.0, "N", -1e9, 1e9, "Constant error.")
 
     def view(self, truth: SensorTruth) -> View:
         """See the tension on the drum's side [N]."""
-        return View(np.array([truth.drum_tension]), self.relative_noise * truth.static_top_tension, self.bias)
+        return View(np.array([truth.drum_tension]), self.noise * truth.static_top_tension)
 
 
 @dataclass(frozen=True)

@@ -58,13 +58,8 @@ class OwnWinchParameters(WinchFigures):
         description="Drive model: an ideal servo (with law), or a detailed drive: electric.*, pump_controlled.* or "
         "valve_controlled.* (heave[drives]).", choices=(SERVO, *installed_drives()),
         also="|".join(absent_drives()), also_words="a drive of heave[drives]")  # fmt: skip
-    position_gain: float = parameter(0.0, "1/s", 0.0, 100.0,
-        "Gain k_p from payout error to speed; 0: the drive follows the rate set-point only.")  # fmt: skip
     command_jitter: float = parameter(0.0, "s", 0.0, 10.0,
         "Largest deviation of a command's delay from command_delay, either way, uniform; order is kept.",
-    )  # fmt: skip
-    acceleration_limit: float = parameter(1.5, "m/s^2", 1e-3, 1e6,
-        "Largest payout acceleration in normal operation; of a detailed drive, that of its speed reference.",
     )  # fmt: skip
     stop_deceleration: float = parameter(1.5, "m/s^2", 1e-3, 1e6,
         "Deceleration of a stop (brake request, watchdog, fault); at most acceleration_limit.")  # fmt: skip
@@ -72,7 +67,6 @@ class OwnWinchParameters(WinchFigures):
         "Speed servo: largest hauling speed as a fraction of speed_limit.")  # fmt: skip
     hauling_acceleration_share: float = parameter(1.0, "", 0.05, 1.0,
         "Speed servo: largest acceleration towards hauling in, as a fraction of acceleration_limit.")  # fmt: skip
-    speed_gain: float = parameter(1.0, "", 0.1, 3.0, "Speed servo: steady speed divided by the set-point.")
     speed_deadband: float = parameter(0.0, "m/s", 0.0, 1.0,
         "Speed servo: dead zone; only the part of a set-point beyond it takes effect.")  # fmt: skip
     drum_radius_error: float = parameter(0.0, "", -0.5, 0.5,

@@ -264,7 +264,9 @@ int observe_count(const Design &design, State &state, const Readings &readings, 
 }
 
 // Step of the load cell beyond a share of the static tension and the stretch that the ship's motion makes since its last
-// reading, k R t: no load does that on a cable that was taut. It is taken off: spreads go on without it. 0: none [N].
+// reading, k R t: no load does that on a cable that was taut. One that is caught from slack at twice that speed, or a drum that
+// suddenly goes otherwise than sent, makes no more than T + 2 k R sqrt(a). A step is taken off: spreads go on without it.
+// 0: none [N].
 double load_step(const Design &design, State &state, const Readings &readings, const Ship &ship) {
     const Bounds &bounds = design.envelope;
     state.load_age += design.tick_period;
@@ -273,9 +275,11 @@ double load_step(const Design &design, State &state, const Readings &readings, c
     if (!(std::abs(readings.load) <= bounds.largest_load)) {
         return std::isfinite(step) && bounds.largest_load > 0.0 ? step : 0.0;
     }
-    const double stretch = (bounds.rate_factor * ship.rate + bounds.rate_margin) * state.load_age;
-    const double largest = bounds.load_step * design.cable.static_tension + design.cable.stiffness * stretch;
-    const bool jumps = std::abs(step) > largest && state.taut_time > bounds.harm_time;
+    const Cable &cable = design.cable;
+    const bool is_taut = state.taut_time > bounds.harm_time;
+    const double caught = is_taut ? 0.0 : 2.0 * std::sqrt(cable.inertia), share = is_taut ? bounds.load_step : 1.0;
+    const double stretch = (bounds.rate_factor * ship.rate + bounds.rate_margin) * (state.load_age + caught);
+    const bool jumps = std::abs(step) > share * cable.static_tension + cable.stiffness * stretch;
     if (jumps) state.load_jump += step;
     else state.load = load;
     state.load_age = 0.0;
@@ -292,7 +296,7 @@ double observe_load(const Design &design, State &state, const Readings &readings
     const bool has_load = state.load_age == 0.0;
     if (has_load) {
         if (std::isnan(state.mean_load)) state.mean_load = state.load;
-        state.mean_load += std::min(dt / bounds.travel_time, 1.0) * (state.load - state.mean_load);
+        state.mean_load += std::min(dt / bounds.bound_window, 1.0) * (state.load - state.mean_load);
     }
     if (!(cable.static_tension > 0.0)) return NOT_KNOWN;
     const double stretch = std::max(1.0 + state.position / cable.length, 0.01), k = cable.stiffness / stretch;

@@ -175,9 +175,12 @@ def test_a_plc_that_lost_its_count_is_counted_on_and_named():
     assert adapter.taker.zeros["payout"] + adapter.newest["payout"] == pytest.approx(0.0)
 
 
-@pytest.mark.parametrize(("unit", "first"), [("s", 1.764e9), ("ms", 1.764e12), ("us", 1.764e15), ("s", 3.0)])
+@pytest.mark.parametrize(
+    ("unit", "first"),
+    [("s", 1.764e9), ("ms", 1.764e12), ("us", 1.764e15), ("s", 3.0), ("s", 3.847e9), ("ms", 6.39e13)],
+)
 def test_a_device_time_of_any_epoch_stamps_within_what_a_stamp_holds(unit, first):
-    """Seconds since 1970, as a PLC with a clock sends them, and those since its start."""
+    """Seconds since 1970, as a PLC with a clock sends them, since its start, since 1904 (LabVIEW) and the year 1."""
     time = {"field": "input:9:float64", "unit": unit}
     adapter = Adapter(device_map_of("m", {"source": {"modbus": "1"}, "payout": "input:0", "device_time": time}))
     step = 0.1 * {"s": 1.0, "ms": 1e3, "us": 1e6}[unit]
@@ -186,10 +189,11 @@ def test_a_device_time_of_any_epoch_stamps_within_what_a_stamp_holds(unit, first
         sample = Sample("MODBUS", {"input:0": 1.0, "input:9:float64": first + step * k})
         stamps += [reading.stamp for _, reading in adapter.on_samples([sample], 50.0 + 0.1 * k)]
     assert all(0 < stamp < 2**31 * 10**9 for stamp in stamps)
-    assert np.diff(stamps) * 1e-9 == pytest.approx(0.1, abs=1e-5)
+    resolution = np.spacing(first) / step * 0.1
+    assert np.diff(stamps) * 1e-9 == pytest.approx(0.1, abs=1e-5 + 2.0 * resolution)
 
 
-@pytest.mark.parametrize("wrong", [1e300, math.inf, math.nan, -5.0, 4e9, 1e12])
+@pytest.mark.parametrize("wrong", [1e300, math.inf, math.nan, -5.0, 1e12])
 def test_a_device_time_that_cannot_be_is_named_and_the_arrival_counts(wrong):
     time = {"field": "input:9:float64", "unit": "s"}
     adapter = Adapter(device_map_of("m", {"source": {"modbus": "1"}, "payout": "input:0", "device_time": time}))

@@ -29,6 +29,12 @@ FORMS = {
         lambda t: f"{BEGUN.timestamp() + t:.3f}".replace(".", "") + "0" * 6,
         BEGUN.timestamp(),
     ),
+    # the years 1 and 1601 of .NET and Windows in 100 ns, 1904 of LabVIEW: as Unix time 1990, 1974, 2091
+    **{
+        name: ("time", ",", lambda t, zero=zero: str(zero + round(1e7 * t)), BEGUN.timestamp())
+        for name, zero in (("ticks of .NET", 638764272 * 10**9), ("a FILETIME", 133853040 * 10**9))
+    },
+    "seconds from 1904": ("time", ",", lambda t: f"{3823675200.0 + t:.3f}", BEGUN.timestamp()),
     "ISO time with Z": (
         "utc",
         ",",

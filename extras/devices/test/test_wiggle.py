@@ -5,6 +5,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from heave_bringup.errors import ExitStatus, VerdictError
 from heave_devices.bench.wiggle import DURATION, LEAST, Reading, is_too_far, judge, move_at, other_verdicts
 from heave_devices.commands import adapt
 
@@ -59,13 +60,32 @@ def test_a_drum_that_runs_away_is_seen_within_millimetres():
     assert is_too_far(0.0081, 0.0, LEAST)
 
 
-@pytest.mark.parametrize(("was_tripped", "untried"), [(False, "direction, fault, reset"), (True, "direction")])
-def test_what_a_move_cannot_show_is_named_at_the_end(was_tripped, untried, capsys):
+@pytest.mark.parametrize(
+    ("was_tripped", "seen", "untried"),
+    [
+        (False, [], "direction, fault, reset"),
+        (True, [], "direction"),
+        (False, ["direction", "fault"], "reset"),
+        (True, ["direction"], ""),
+    ],
+)
+def test_what_a_move_cannot_show_is_no_pass_until_somebody_has_seen_it(was_tripped, seen, untried, capsys):
     """Both signs reversed, a fault bit that never sets and a reset that resets nothing move as a right winch does."""
     verdicts = judge(drum(), DISTANCE) + other_verdicts(("fault", "reset"), was_tripped=was_tripped)
-    device = SimpleNamespace(device=SimpleNamespace(name="mine"))
-    session = SimpleNamespace(devices=[device], alone=lambda _: verdicts)
-    adapt._wiggle(argparse.Namespace(json=None, wiggle=20.0), session)
+    session = SimpleNamespace(alone=lambda _: verdicts)
+    options = argparse.Namespace(json=None, wiggle=20.0, seen=seen)
+    if untried:
+        with pytest.raises(adapt.IncompleteError, match=f"verdict INCOMPLETE: {untried}: no move shows it") as ended:
+            adapt._wiggle(options, session)
+        assert ended.value.status == ExitStatus.VERDICT_FAILED
+    else:
+        adapt._wiggle(options, session)
     shown = capsys.readouterr()
-    assert shown.err == f"mine: not shown by this move, to be tried by you: {untried}\n"
-    assert shown.out.count("not tried") == untried.count(",") + 1
+    assert ("verdict: passed" in shown.err) is (not untried)
+    assert shown.out.count("not tried") == len(untried.split())
+
+
+def test_a_wrong_map_is_a_verdict_that_has_failed():
+    session = SimpleNamespace(alone=lambda _: judge(drum(gain=-1.0), DISTANCE))
+    with pytest.raises(VerdictError, match="payout, out: not as the map says"):
+        adapt._wiggle(argparse.Namespace(json=None, wiggle=20.0, seen=[]), session)

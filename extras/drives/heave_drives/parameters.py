@@ -37,10 +37,10 @@ class MotionParameters:
 class FrictionParameters(Checked):
     """Friction of bearings, gear and sheaves, as a force at the rope, against the motion."""
 
-    coulomb: float = parameter(0.0, "N", 0.0, 1e9, "Friction independent of load.")
-    load: float = parameter(0.0, "", 0.0, 1.0, "Friction as a fraction of tension.")
+    coulomb: float = 0.0  # independent of load [N]
+    load: float = 0.0  # fraction of tension [-]
     slip_speed: float = 0.01  # rope speed at which the two frictions above reach 76 % of their value [m/s]
-    viscous: float = parameter(0.0, "N s/m", 0.0, 1e9, "Friction proportional to speed.")
+    viscous: float = 0.0  # proportional to speed [N s/m]
 
     def rate(self, tension: float, mass: float) -> float:
         """Return how fast friction alone would stop `mass` [kg] near rest under `tension` [N], as 1/time [1/s]."""
@@ -182,7 +182,7 @@ class ServoValveParameters(Checked):
 
     rated_flow: float = parameter(800.0 / 6e4, "m^3/s", 1e-6, 10.0, "Flow at the rated pressure drop, fully open.")
     rated_drop: float = 35e5  # rated pressure drop across one control edge [Pa]
-    frequency: float = parameter(314.159, "rad/s", 1.0, 1e4, "Natural frequency of the spool.")
+    frequency: float = 314.159  # natural frequency of the spool [rad/s]
     damping: float = 1.0  # damping ratio of the spool [-]
     input_limit: float = 1.0  # largest spool set-point, as a fraction of full stroke [-]
     laminar_pressure: float = 5e4  # pressure drop below which the flow of an edge is linear in it [Pa]

@@ -12,6 +12,7 @@ from heave_bringup.operate.situation import mode_words, run_words
 from heave_bringup.operate.tasks import EmergencyStop
 from heave_node.interface.alarm import Severity
 from heave_node.interface.fault_kinds import FAULTS
+from heave_node.kpi import efficiency
 from nicegui import ui
 
 from heave_panel.alarm_list import Alarm
@@ -27,6 +28,7 @@ SILENCE = 0.8
 CHARTS = (HEAVE, UNIT, WINCH, TENSION)
 COLOURS = ("#56b4e9", "#e69f00")
 FIGURES = (
+    "efficiency, est. [%]",
     "load, est. [cm]",
     "load std. dev., est. [cm]",
     "boom tip, est. [m]",
@@ -36,7 +38,6 @@ FIGURES = (
 )
 SHOWN_ALARMS, SHOWN_LOG = 30, 8
 SURE = "Sure? This acts on the winch or on its sensors."
-EFFICIENCY = "efficiency, last {minutes:.0f} min, est. [%]"
 BAR_LOOKS = ("text-sm", "text-lg font-bold", "heave-bad font-bold")
 
 STYLE = """
@@ -134,8 +135,6 @@ class Page:
     def _build_figures(self) -> None:
         self._figures: dict[str, Any] = {}
         with ui.element("section").classes("grid grid-cols-2 sm:grid-cols-4 gap-2 w-full"):
-            with ui.element("div").classes("heave-box col-span-2"):
-                self._efficiency = ui.label().classes("heave-name"), ui.label("-").classes("heave-value")
             for name in FIGURES:
                 with ui.element("div").classes("heave-box"):
                     ui.label(name).classes("heave-name")
@@ -319,10 +318,12 @@ class Page:
     def _show_figures(self, picture: Picture) -> None:
         situation = picture.situation
         newest = {f"{line.name}": line.value(situation) for line in LINES}
-        sigma = situation.figures.unit_sigma if situation.figures else math.nan
+        figures = situation.figures
+        sigma, off = (figures.unit_sigma, figures.uncompensated_sigma) if figures else (math.nan, math.nan)
         for name, value, digits in zip(
             FIGURES,
             (
+                100.0 * efficiency(sigma, off),
                 newest["load"],
                 100.0 * sigma,
                 newest["boom tip"],
@@ -330,14 +331,11 @@ class Page:
                 situation.depth,
                 newest["tension"],
             ),
-            (1, 2, 2, 1, 2, 1),
+            (1, 1, 2, 2, 1, 2, 1),
             strict=True,
         ):
             # what rounds to zero has no sign
             self._figures[name].text = f"{round(value, digits) + 0.0:.{digits}f}" if math.isfinite(value) else "-"
-        text, span = picture.efficiency
-        heading, shown = self._efficiency
-        heading.text, shown.text = EFFICIENCY.format(minutes=span / 60.0), text
         self._show_uses(picture)
 
     def _show_uses(self, picture: Picture) -> None:

@@ -14,7 +14,6 @@ from heave_bringup.operate.requests import Task, WinchLimits, request_limits
 from heave_bringup.operate.situation import Situation
 
 from heave_panel.alarm_list import Alarm, AlarmList
-from heave_panel.efficiency import Efficiency
 from heave_panel.history import History
 
 LOOK_PERIOD = 0.02
@@ -47,8 +46,6 @@ class Picture:
     under_way: tuple[str, ...] = ()  # names of what was requested and is not done
     log: tuple[Entry, ...] = ()  # answers, the newest first
     limits: WinchLimits = field(default_factory=WinchLimits)  # of the winch as the controller assumes them
-    # over the last minutes, in words [%], and simulated time over which it is taken [s]
-    efficiency: tuple[str, float] = ("-", 0.0)
 
     @property
     def silence(self) -> float:
@@ -84,7 +81,6 @@ class RunWorker:
         self._alarms = AlarmList()
         self._limits = WinchLimits()
         self._is_closed = False
-        self._efficiency = Efficiency()
         self.history = History()
         self.picture = Picture(heard_at=link.heard_at)
         self._thread = threading.Thread(target=self._serve, name="run link")
@@ -141,7 +137,6 @@ class RunWorker:
             self._look_at_tasks()
             is_asking = is_asking and limits.poll() is None
             self.history.note(self._link.situation)
-            self._efficiency.note(self._link.situation)
             now = self._link.wall_time
             if now - copied_at >= COPY_PERIOD:
                 copied_at = now
@@ -178,5 +173,4 @@ class RunWorker:
             tuple(begun.name for begun in self._tasks),
             tuple(self._log),
             self._limits,
-            (self._efficiency.words, self._efficiency.span),
         )

@@ -8,12 +8,11 @@ import time
 import pytest
 from heave_bringup.cli import main
 from heave_bringup.operate.requests import Answer, WinchLimits, request_limits
-from heave_bringup.operate.situation import ControllerStatus, Figures, RunStatus, Situation, Trouble, WinchStatus
+from heave_bringup.operate.situation import ControllerStatus, RunStatus, Situation, Trouble, WinchStatus
 from heave_bringup.operate.tasks import EmergencyStop
 from heave_node.interface.alarm import Severity
 from heave_panel.alarm_list import AlarmList, alarms_of
 from heave_panel.command_post import CommandPost
-from heave_panel.efficiency import Efficiency
 from heave_panel.guard import COOKIE, Guard, is_loopback
 from heave_panel.history import LENGTH, LINES, History
 from heave_panel.operator_commands import COMMANDS, inject
@@ -168,33 +167,6 @@ def test_the_history_keeps_the_last_minute_and_begins_anew_with_a_run():
     assert points[-1][1] == pytest.approx(10.0)  # 0.5 m of the boom tip less 0.4 m of the winch
     history.note(Situation(RunStatus(1, time=1.0)))
     assert history.series(residual) == [[1.0, None]]
-
-
-def at(time, *, error=0.005, is_known=True, free=0.4):
-    """Return a situation under regular waves: 2 cm of the unit as estimated, with the `error` of the filter [m]."""
-    wave = math.sin(2.0 * math.pi * time / 10.0)
-    controller = ControllerStatus(time, "compensating", unit_heave=0.02 * wave, uncompensated_heave=free * wave)
-    controller.unit_error = error
-    return Situation(None, controller, None, Figures(60.0, 0.01, 0.3 if is_known else math.nan))
-
-
-def test_the_efficiency_is_that_of_the_last_ten_minutes_and_counts_what_the_filter_does_not_know():
-    efficiency = Efficiency()
-    for tick in range(round(50.0 / 0.05)):
-        efficiency.note(at(0.05 * tick, free=4.0))
-    assert efficiency.words == "-", "six waves have not passed"
-    for tick in range(round(50.0 / 0.05), round(700.0 / 0.05)):
-        efficiency.note(at(0.05 * tick))
-    # of sines over whole periods: s = amplitude/sqrt(2)
-    expected = 1.0 - math.hypot(0.02, math.sqrt(2.0) * 0.005) / 0.4
-    assert efficiency.value == pytest.approx(expected, abs=1e-4)
-    assert efficiency.span == pytest.approx(600.0, abs=1.0)
-    assert efficiency.words == f"{100.0 * expected:.1f} ± 4"
-    for tick in range(round(60.0 / 0.05)):
-        efficiency.note(at(700.0 + 0.05 * tick, free=9.0, is_known=False))
-    assert efficiency.value == pytest.approx(expected, abs=1e-4), "what no sensor reports is left out"
-    efficiency.note(at(1.0))
-    assert (efficiency.words, efficiency.span) == ("-", 0.0), "a run that restarts begins anew"
 
 
 def test_the_limits_of_the_winch_are_those_that_the_controller_believes():

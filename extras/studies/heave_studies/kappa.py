@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import math
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 
@@ -14,7 +15,7 @@ from heave_bags.mcap.reader import Bag
 from heave_bringup.run.records import Request
 from heave_bringup.scenarios import Scenario, load_scenario
 from heave_node.numerics.arrays import Array
-from heave_node.parameters import build_parameters, describe, flatten
+from heave_node.parameters import ParameterError, build_parameters, describe, flatten
 from winch_controller_node.design.bounds import (
     BOUND_STEP,
     actuator_bound,
@@ -37,9 +38,6 @@ from winch_controller_node.parameters.model import (
     VesselModelParameters,
     WinchModelParameters,
 )
-
-LEAST_NOISE = 1e-5
-"""Least noise of a sensor that is stated as perfect, in its own unit: a filter needs some."""
 
 
 def add_to_record(record: RunRecord, request: Request, show: Callable[[str, float | None], None]) -> list[str]:
@@ -126,34 +124,35 @@ def true_parameters(scenario: Scenario) -> WinchControllerParameters:
         sensors=replace(
             SensorsModelParameters(use=assumed.sensors.use),
             mru=MruModelParameters(
-                noise=max(mru.noise, LEAST_NOISE),
-                rate_noise=max(mru.rate_noise, LEAST_NOISE),
+                noise=mru.noise,
+                rate_noise=mru.rate_noise,
                 rate=mru.rate or 1.0 / scenario.run.tick_period,
                 latency=mru.latency,
                 high_pass_period=mru.high_pass_period,
-                high_pass_damping=mru.high_pass_damping,
             ),
-            depth=DepthModelParameters(noise=max(depth.noise, LEAST_NOISE), rate=depth.rate, latency=depth.latency),
-            encoder=EncoderModelParameters(noise=max(winch.encoder.resolution / math.sqrt(12.0), LEAST_NOISE)),
-            load_cell=LoadCellModelParameters(noise=max(cell.relative_noise, LEAST_NOISE), rate=cell.rate),
+            depth=DepthModelParameters(noise=depth.noise, rate=depth.rate, latency=depth.latency),
+            encoder=EncoderModelParameters(noise=winch.encoder.resolution / math.sqrt(12.0)),
+            load_cell=LoadCellModelParameters(noise=cell.noise, rate=cell.rate),
         ),
     )
 
 
 def scenario_of(bag: Path) -> Scenario | None:
     """Return the scenario that the bag carries; None where it carries none that this version can read."""
-    for name, content in Bag(bag).attachments.items():
-        if name.endswith((".yaml", ".yml")):
-            return _parsed(content)
+    with suppress(ValueError):  # ParameterError among them
+        return stored_scenario(Bag(bag))
     return None
 
 
-def _parsed(content: bytes) -> Scenario | None:
-    """Return a scenario from the bytes of its file; None if they are none that this version can read."""
-    try:
-        with tempfile.TemporaryDirectory() as folder:
-            path = Path(folder) / "scenario.yaml"
-            path.write_bytes(content)
-            return load_scenario(str(path), needs_files=False)
-    except ValueError:  # ParameterError among them
-        return None
+def stored_scenario(bag: Bag, settings: Sequence[str] = ()) -> Scenario:
+    """Return the scenario that a `bag` carries, with `settings` on top of it.
+
+    Raises ParameterError where it carries none, and for one that this version cannot read.
+    """
+    texts = [content for name, content in bag.attachments.items() if name.endswith((".yaml", ".yml"))]
+    if not texts:
+        raise ParameterError(f"{bag.path}: carries no scenario: what its controller assumed is not known")
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "scenario.yaml"
+        path.write_bytes(texts[0])
+        return load_scenario(str(path), settings=settings, needs_files=False)

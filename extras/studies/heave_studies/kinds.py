@@ -19,16 +19,16 @@ from heave_node.files.given_files import as_mapping, read_given, shipped_files
 from heave_node.parameters import ParameterError
 
 from heave_studies.accept.procedure import read_head
-from heave_studies.accept.study import WHOLE, Acceptance, Parts
+from heave_studies.accept.study import Acceptance, Parts
 from heave_studies.answers import acceptance, promise
-from heave_studies.answers.answer import ANSWERS, Found, answer_of, as_path, asked_of, lift_of, own_keys
+from heave_studies.answers.answer import ANSWERS, Found, answer_of, asked_of, lift_of, own_keys
 from heave_studies.promise.study import read_promise
 from heave_studies.study.cases import Cases
 from heave_studies.study.engine import Kind
 from heave_studies.study.study_file import FOLDER, asked_values, find_study, read_study, study_of, with_options
 
 OF_FILES: Mapping[str, tuple[str, ModuleType]] = {
-    "steps": ("an acceptance test of simulated or real parts, or on a record", acceptance),
+    "steps": ("an acceptance test of simulated or real parts", acceptance),
     "promise": ("whether the load is never worse than with the winch locked, over random draws", promise),
 }
 """Kinds by a key of their file, with what they ask, and the module that answers."""
@@ -126,7 +126,7 @@ def _promise(options: Options, path: Path) -> Opened:
     kind = read_promise(path, ask, options.draws)
     own = options.own_folder
     folder = options.folder or own.with_name(f"{own.name}-{kind.seed}")
-    return Opened(kind, partial(promise.answer, kind, ask), folder, {"seed": str(kind.seed)}, description_of(path))
+    return Opened(kind, partial(promise.answer, kind), folder, {"seed": str(kind.seed)}, description_of(path))
 
 
 def _acceptance(options: Options, path: Path) -> Opened:
@@ -146,16 +146,9 @@ def _acceptance(options: Options, path: Path) -> Opened:
 
 def _parts(ask: Mapping[str, object]) -> Parts:
     """Return what is tested."""
-    given, mapping = ask["record"], as_path(ask["map"])
-    if mapping is not None and not given:
-        raise ParameterError("ask: map: says how a record is read: give record; a real winch has winch")
-    named = given if isinstance(given, Mapping) else {WHOLE: given} if given else {}
-    records = {str(name): Path(str(path)) for name, path in named.items()}
-    if missing := next((path for path in records.values() if not path.exists()), None):
-        raise ParameterError(f"ask: record: no such file: {missing}")
     external = parse_replacements([str(one) for one in _listed(ask["replace"])], "ask: replace", [EXTERNAL]).external
     winch = find_map(str(ask["winch"])) if ask["winch"] else None
-    return Parts(winch, external, records, mapping, is_on_network=bool(ask["network"]))
+    return Parts(winch, external, is_on_network=bool(ask["network"]))
 
 
 def _listed(given: object) -> list[object]:

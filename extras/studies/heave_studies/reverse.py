@@ -15,11 +15,10 @@ import numpy as np
 from cable_sim_node.vertical.axial_line import AxialLine
 from cable_sim_node.vertical.axial_stepper import AxialError
 from heave_node.numerics.arrays import Array, ComplexArray
-from winch_controller_node.beliefs.beliefs import Beliefs, corrections
 from winch_controller_node.node_parameters import WinchControllerParameters
 
 from heave_studies.identification import Fitted, IdentificationError
-from heave_studies.whatif.answer import assumed_high_pass
+from heave_studies.whatif.answer import tip_source
 from heave_studies.whatif.identify import (
     BEGINS,
     BEST,
@@ -42,8 +41,7 @@ from heave_studies.whatif.identify import (
     settled,
     values_at,
 )
-from heave_studies.whatif.record import SensorRecord
-from heave_studies.whatif.spectra import TipSource, smoothed_tip
+from heave_studies.whatif.record import NOMINAL, SensorRecord
 from heave_studies.whatif.twin import (
     Drive,
     PlantFactors,
@@ -202,10 +200,8 @@ def _banded(name: str, unit: str, fit: CableFit, key: str, nominal: float) -> Ba
 
 def _evidence(record: SensorRecord, nominal: WinchControllerParameters) -> LoadEvidence:
     """Return what judges the load; raises IdentificationError where there is too little of it."""
-    beliefs = Beliefs(asked=-1)
-    high_pass = assumed_high_pass(beliefs, nominal)
-    source = TipSource(record.time, smoothed_tip(record, corrections(beliefs, nominal)["mru"], high_pass), high_pass)
-    winch = past_winch(record, winch_under(beliefs, nominal))
+    record = replace(record, beliefs=NOMINAL)
+    source, winch = tip_source(record, nominal), past_winch(record, winch_under(NOMINAL, nominal))
     line = nominal_line(nominal)
     if not line.unit.drag > 0.0:
         line = replace(line, unit=replace(line.unit, drag=0.5 * nominal.water_density))

@@ -1,15 +1,16 @@
-"""Which winch: the scenario's own and sweeps of one particular at a time about it, what each can work in, and costs."""
+"""Which winch: the scenario's own and sweeps of one particular at a time about it, and what each can work in."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, fields, replace
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 import pandas
 from cable_sim_node.winch.parameters import WinchParameters
+from heave_bags.analyse.kpi_set import DEFINITION_OF
 from heave_bags.report.figure import LIMIT, OTHER, UNIT, Figure
 from heave_node.criteria import Criterion
 from heave_node.loads.cycles import DAMAGE_EXPONENT
@@ -175,35 +176,23 @@ EVEN_STEPS = 25
 """Wave heights at which the seas of a study are counted where no place is given."""
 
 
-@dataclass(frozen=True)
-class Prices:
-    """What an hour is charged with."""
-
-    efficiency: float = 0.8  # of the drive, either way, 0 to 1 [-]
-    # share of the regenerated energy that the ship can use, 0 to 1 [-]; the rest becomes heat
-    regeneration: float = 0.0
-    energy: float = 0.3  # price of a kWh in any currency [1/kWh]
-
-
-@dataclass(frozen=True)
-class Duty:
-    """What an hour of compensation asks of a winch, as a mean over the seas in which it can work; NaN where there are
-    none.
-    """
-
-    peak: float  # largest power in any of these seas [W]
-    rms: float  # root mean square of the power [W]
-    motoring: float  # energy at the drum [Wh/h]
-    regenerated: float  # energy at the drum [Wh/h]
-    electric: float  # energy bought, less what is fed back [Wh/h]
-    heat: float  # lost in the drive and burnt in resistors [Wh/h]
-    cost: float  # of the energy, in the currency of its price [1/h]
-    travel: float  # of the rope [m/h]
-    reversals: float  # of the rope [1/h]
-    bending_cycles: float  # of the rope [1/h]
-    loaded: float  # share of time above half of rated speed or power [%]
-    tension_cycles: float  # of the top tension [1/h]
-    tension_range: float  # of the top tension, that once a second does the damage of all cycles in the seas' mix [N]
+OF_AN_HOUR: Mapping[str, Callable[[Array, Array], float]] = {
+    "power_peak_w": lambda _, values: float(values.max()),
+    "power_rms_w": lambda weights, values: math.sqrt(weights @ values**2),
+    "energy_wh_per_h": np.dot,
+    "energy_regenerated_wh_per_h": np.dot,
+    "rope_travel_m_per_h": np.dot,
+    "reversals_per_h": np.dot,
+    "bending_cycles_per_h": np.dot,
+    "time_above_half_rating_percent": np.dot,
+    "tension_cycles_per_h": np.dot,
+    "tension_range_equivalent_n": lambda weights, values: (
+        float(weights @ values**DAMAGE_EXPONENT) ** (1.0 / DAMAGE_EXPONENT)
+    ),
+}
+"""What an hour of compensation asks of a winch: figures of merit, and what they come to over seas with weights; the
+range of the tension is that which once a second does the damage of all cycles in the seas' mix.
+"""
 
 
 @dataclass(frozen=True)
@@ -215,7 +204,7 @@ class Sized:
     share: float  # of the place's seas that are workable [-]
     lower: float  # lower end of its confidence [-]
     upper: float  # upper end of its confidence [-]
-    duty: Duty  # of an hour
+    duty: Mapping[str, float]  # of an hour, by figure of merit
 
 
 @dataclass(frozen=True)
@@ -252,17 +241,14 @@ def even_seas(frame: pandas.DataFrame) -> SeaRecord:
     return SeaRecord(f"all seas up to Hs {top:g} m, each as often", states, math.nan)
 
 
-def size_winches(
-    frame: pandas.DataFrame, criteria: Sequence[Criterion], seas: SeaRecord, prices: Prices
-) -> list[Sized]:
-    """Return what each winch of a study can work in and costs, the scenario's own first.
+def size_winches(frame: pandas.DataFrame, criteria: Sequence[Criterion], seas: SeaRecord) -> list[Sized]:
+    """Return what each winch of a study can work in, and what an hour asks of it, the scenario's own first.
 
     Parameters
     ----------
     frame : table of the study
     criteria : that are to hold
     seas : of the place
-    prices : of an hour
 
     Raises ParameterError for the table of another study.
     """
@@ -270,12 +256,12 @@ def size_winches(
     for winch, cases in of_frame(frame):
         limit = limit_curve(cases, criteria)
         share, lower, upper = (workable_share(seas, limit, column) for column in ("limit", "lower", "upper"))
-        found.append(Sized(winch, limit, share, lower, upper, duty_of(cases, limit, seas, prices)))
+        found.append(Sized(winch, limit, share, lower, upper, duty_of(cases, limit, seas)))
     return found
 
 
-def duty_of(cases: pandas.DataFrame, limit: pandas.DataFrame, seas: SeaRecord, prices: Prices) -> Duty:
-    """Return what an hour of compensation asks of a winch.
+def duty_of(cases: pandas.DataFrame, limit: pandas.DataFrame, seas: SeaRecord) -> dict[str, float]:
+    """Return what an hour of compensation asks of a winch, by figure of merit; NaN where it can work nowhere.
 
     Figures are linear between the seas that were run, 0 in a calm sea, and held beyond the grid.
 
@@ -284,43 +270,17 @@ def duty_of(cases: pandas.DataFrame, limit: pandas.DataFrame, seas: SeaRecord, p
     cases : of this winch
     limit : by period; an hour counts in which the sea is within it
     seas : of the place
-    prices : of an hour
     """
     states = seas.states[workable(seas, limit)]
     weights = states["share"].to_numpy()
     if not weights.size:
-        return Duty(**{of.name: math.nan for of in fields(Duty)})
+        return dict.fromkeys(OF_AN_HOUR, math.nan)
     weights = weights / weights.sum()
-
-    def mean(kpi: str) -> float:
-        return float(weights @ _at(cases, kpi, states))
-
-    motoring, regenerated = mean("energy_wh_per_h"), mean("energy_regenerated_wh_per_h")
-    bought = motoring / prices.efficiency
-    ranges = _at(cases, "tension_range_equivalent_n", states)
-    fed_back = prices.efficiency * prices.regeneration * regenerated
-    electric = bought - fed_back
-    return Duty(
-        peak=float(_at(cases, "power_peak_w", states).max()),
-        rms=float(np.sqrt(weights @ _at(cases, "power_rms_w", states) ** 2)),
-        motoring=motoring,
-        regenerated=regenerated,
-        electric=electric,
-        heat=electric - motoring + regenerated,
-        cost=1e-3 * electric * prices.energy,
-        travel=mean("rope_travel_m_per_h"),
-        reversals=mean("reversals_per_h"),
-        bending_cycles=mean("bending_cycles_per_h"),
-        loaded=mean("time_above_half_rating_percent"),
-        tension_cycles=mean("tension_cycles_per_h"),
-        tension_range=float((weights @ ranges**DAMAGE_EXPONENT) ** (1.0 / DAMAGE_EXPONENT)),
-    )
+    return {kpi: float(of(weights, _at(cases, kpi, states))) for kpi, of in OF_AN_HOUR.items()}
 
 
 def _at(cases: pandas.DataFrame, kpi: str, states: pandas.DataFrame) -> Array:
-    """Return a figure of merit at seas, its mean over the seeds; NaN where an older table has no such figure."""
-    if kpi not in cases:
-        return np.full(len(states), math.nan)
+    """Return a figure of merit at seas, its mean over the seeds."""
     grid = cases.pivot_table(index=PERIOD, columns=HEIGHT, values=kpi, aggfunc="mean", dropna=False)
     grid = grid.bfill(axis=1).ffill(axis=1)  # of a case that could not be run: as in the sea beside it
     grid.insert(0, 0.0, 0.0)
@@ -374,11 +334,6 @@ def _knee(particular: Particular, own: Sized, sweep: Sequence[Sized]) -> Knee:
     return Knee(particular, value, own.share, float(shares[-1]), is_open=False)
 
 
-def number(value: float) -> str:
-    """Return a `value` with one decimal, none where it is whole; a dash for one that is not known."""
-    return f"{value:.1f}".removesuffix(".0") if math.isfinite(value) else "-"
-
-
 KNEES = Sheet(
     Column("particular", "particular.heading"),
     Column("knee", "text"),
@@ -407,22 +362,13 @@ ABILITY = Sheet(
 )
 """What each winch can work in."""
 
-DUTY = Sheet(
-    TITLE,
-    Column("peak power [kW]", "duty.peak", "power_peak_w", number, 1e-3),
-    Column("rms power [kW]", "duty.rms", "power_rms_w", number, 1e-3),
-    Column("mean motoring power [kW]", "duty.motoring", "energy_wh_per_h", number, 1e-3),
-    Column("", "duty.regenerated", "energy_regenerated_wh_per_h"),
-    Column("mean power bought [kW]", "duty.electric", "electric_energy_wh_per_h", number, 1e-3),
-    Column("cost [1/h]", "duty.cost", "energy_cost_per_h", ".2f"),
-    Column("mean heat [kW]", "duty.heat", "heat_wh_per_h", number, 1e-3),
-    Column("rope [km/h]", "duty.travel", "rope_travel_m_per_h", number, 1e-3),
-    Column("reversals [1/h]", "duty.reversals", "reversals_per_h", ".0f"),
-    Column("bends [1/h]", "duty.bending_cycles", "bending_cycles_per_h", ".0f"),
-    Column("above half rating [% of time]", "duty.loaded", "time_above_half_rating_percent", number),
-    Column("tension cycles [1/h]", "duty.tension_cycles", "tension_cycles_per_h", ".0f"),
-    Column("equivalent tension range [kN]", "duty.tension_range", "tension_range_equivalent_n", number, 1e-3),
-)
+
+def _duty_column(kpi: str) -> Column:
+    of = DEFINITION_OF[kpi]
+    return Column(f"{of.title} [{of.unit}]".replace(" []", ""), lambda one: one.duty[kpi], kpi, of.text)
+
+
+DUTY = Sheet(TITLE, *map(_duty_column, OF_AN_HOUR))
 """What an hour of compensation asks of each winch."""
 
 BUYERS = Sheet(ABILITY, *DUTY[1:])

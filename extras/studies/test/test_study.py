@@ -28,7 +28,7 @@ from heave_bringup.scenarios import load_scenario
 from heave_node.parameters import ParameterError
 from heave_studies.operability.limits import HEIGHT
 from heave_studies.study import cases
-from heave_studies.study.case_file import CASE, FILES, SCENARIO, read_cases, write_case
+from heave_studies.study.case_file import CASE, SCENARIO, read_cases, write_case
 from heave_studies.study.cases import Cases
 from heave_studies.study.cost import COST, LIFTS, PARTS, cost_rows, write_cost
 from heave_studies.study.engine import JOURNAL, SETTLED, TABLE, run_study
@@ -289,7 +289,7 @@ def test_a_row_alone_repeats_its_case_and_gives_its_figures(kind):
     frame, about = read_cases(Path("out", TABLE))
     Path("own.yaml").unlink()
     for number in (1, 8):
-        scenario = load_scenario(str(write_case(f"out/{TABLE}:{number}", Path(f"case_{number}.yaml"))[0]))
+        scenario = load_scenario(str(write_case(f"out/{TABLE}:{number}", Path(f"case_{number}.yaml"))))
         again = run_task(Task(kind._first[number - 1].case, scenario))
         row = frame.set_index("case").loc[number]
         assert {key: value for key, value in again.kpis.items() if np.isfinite(value)} == {
@@ -316,7 +316,7 @@ class Numbers:
         yield [Job(number, str(number), partial(square, number)) for number in range(1, 9)]
 
     def frame(self, results: Mapping[int, Plain]) -> pandas.DataFrame:
-        rows = [{CASE: n, SCENARIO: "", FILES: "", **result} for n, result in sorted(results.items())]
+        rows = [{CASE: n, SCENARIO: "", **result} for n, result in sorted(results.items())]
         return pandas.DataFrame(rows)
 
 

@@ -3,40 +3,29 @@
 import contextlib
 import math
 import os
-import random
 import re
 import shutil
 from dataclasses import replace
 
 import numpy as np
 import pytest
+from cable_sim_node.winch.parameters import WinchParameters
 from heave_bags.mcap.bag_writer import Attachment, BagWriter
 from heave_bags.mcap.reader import LOG_TIME, TIME, Bag
 from heave_bringup.errors import CommandError
-from heave_bringup.scenarios import load_scenario
 from heave_msgs.msg import WinchState
-from heave_node.interface.sensors import WireReading
+from heave_studies.kappa import stored_scenario
 from heave_studies.study.workers import workers
 from heave_studies.whatif import fitness
 from heave_studies.whatif.answer import answers, learn
-from heave_studies.whatif.record import (
-    SELECTION,
-    Gate,
-    Loss,
-    delivered,
-    first_request,
-    read_record,
-    stored_scenario,
-)
-from heave_studies.whatif.twin import Asked, observed_again
+from heave_studies.whatif.record import NOMINAL, SELECTION, first_request, read_record
+from heave_studies.whatif.spectra import Tip
+from heave_studies.whatif.twin import Asked, Drive, Past, Replay, driven, nominal_line, past_winch, winch_under
 from rclpy.serialization import deserialize_message, serialize_message
-from winch_controller_node.core.component import WinchController
-from winch_controller_node.interface.readings import Measurements
 
 from tests.campaigns import whatif as campaign
 from tests.campaigns.in_process import heave, judge
 from tests.campaigns.whatif import Draw, Recording, make_draw, run_draw, scenario_of
-from tests.loop_runs import run_scenario
 
 TRUE_FIELDS = ("payout", "payout_rate", "payout_acceleration", "tension", "power")
 """Fields of winch/state that only a simulator knows."""
@@ -76,8 +65,7 @@ def without_truth(bag, folder, *, topics=tuple(SELECTION), logged=lambda topic, 
 
 @pytest.fixture(scope="module")
 def nominal(calm_bag):
-    with stored_scenario(Bag(calm_bag)) as scenario:
-        return load_scenario(str(scenario), needs_files=False).parameters["winch_controller"]
+    return stored_scenario(Bag(calm_bag)).parameters["winch_controller"]
 
 
 def test_deleting_every_truth_topic_changes_no_digit(calm_bag, nominal, tmp_path):
@@ -90,14 +78,6 @@ def test_deleting_every_truth_topic_changes_no_digit(calm_bag, nominal, tmp_path
     assert (bare.first, bare.tick_period, bare.has_adviser) == (whole.first, whole.tick_period, whole.has_adviser)
     assert whole.ticks == 200
     assert whole.measurements[100].winch is not None
-
-
-def test_when_a_message_was_recorded_changes_no_digit(calm_bag, nominal, tmp_path):
-    """In real time it comes late."""
-    late = random.Random(1)
-    lockstep, bag = Bag(calm_bag), tmp_path / "late"
-    realtime = without_truth(lockstep, bag, logged=lambda _, time: time + late.randrange(4 * TICK), pacing="realtime")
-    assert read_record(realtime, nominal).measurements == read_record(lockstep, nominal).measurements
 
 
 def test_a_reading_that_the_bag_lacks_moves_no_other(calm_bag, nominal, tmp_path):
@@ -113,61 +93,15 @@ def test_a_reading_that_the_bag_lacks_moves_no_other(calm_bag, nominal, tmp_path
     assert (found[98].mru, found[99].winch) == ((), None)
 
 
-def test_readings_that_come_together_late_or_never_or_are_refused_are_in_the_tick_of_their_gate():
-    readings = [WireReading(number * TICK, (float(number),)) for number in range(1, 9)]
-    # two in tick 3; none in 4; 4 is lost on the way; 6 is refused; then 7 and 8 together, 8 refused
-    judged, newest = [1, 0, 2, 0, 1, 1, 0, 2], [1, 1, 3, 3, 5, 5, 5, 7]
-    ticks = np.arange(1, 9)
-    found = delivered(readings, Gate(TICK * ticks, np.array(judged), TICK * np.array(newest)), TICK)
-    assert {tick: [int(one.numbers[0]) for one in of_tick] for tick, of_tick in found.items()} == {
-        1: [1],
-        3: [2, 3],
-        5: [5],
-        6: [6],
-        8: [7],
-    }
-
-
-def test_readings_of_a_sensor_with_a_clock_of_its_own_have_the_stamps_that_the_controller_gave_them():
-    clock = 1_800_000_000 * 1_000_000_000 + 7
-    readings = [WireReading(clock + number * TICK, (float(number),)) for number in range(1, 6)]
-    # none in tick 3, two in 4; the fifth is refused
-    judged, newest = [1, 1, 0, 2, 1], [1, 2, 2, 4, 4]
-    found = delivered(readings, Gate(TICK * np.arange(1, 6), np.array(judged), TICK * np.array(newest)), TICK)
-    assert [(tick, one.stamp // TICK, one.numbers[0]) for tick, of_tick in found.items() for one in of_tick] == [
-        (1, 1, 1.0),
-        (2, 2, 2.0),
-        (4, 3, 3.0),
-        (4, 4, 4.0),
-        (5, 5, 5.0),
-    ]
-
-
-def test_an_answer_of_the_adviser_that_came_too_late_is_not_taken(calm_bag, nominal, tmp_path):
-    late = without_truth(
-        Bag(calm_bag),
-        tmp_path / "late",
-        logged=lambda topic, time: time + 30 * TICK if topic.endswith("beliefs") and time < 70 * TICK else time,
-    )
-    record = read_record(late, nominal).part(2.5)
-    assert record.late == {20, 40}
-    assert observed_again(record, nominal).beliefs.asked == -1
-    assert observed_again(replace(record, late=frozenset()), nominal).beliefs.asked == 40
-
-
-def test_the_same_law_leaves_out_the_ticks_that_the_controller_left_out(calm_bag, nominal):
-    whole = read_record(Bag(calm_bag), nominal)
-    controller, given, orders = WinchController(nominal, tick_period=whole.tick_period), [], []
-    for tick, one in enumerate(whole.measurements, start=1):
-        if tick in (81, 82):
-            controller.leave_out(tick)
-            given.append(Measurements())
-            orders.append(None)
-        else:
-            given.append(replace(one, mru=whole.measurements[tick - 2].mru + one.mru) if tick == 83 else one)
-            orders.append(controller.step(tick, given[-1]).order)
-    record = replace(whole, measurements=tuple(given), orders=tuple(orders), has_adviser=False)
-    assert observed_again(record, nominal).is_same
+def test_the_same_law_gives_a_record_again(calm_bag, nominal):
+    """The controller's own bag in lockstep, with its adviser: every order, and so no difference of the twins."""
+    record = read_record(Bag(calm_bag), nominal)
+    still = np.zeros(record.ticks)
+    drive = Drive(nominal_line(nominal), nominal.length, Tip(still, still, 0.0), still, still, record.tick_period)
+    past = Past(record, drive, past_winch(record, winch_under(NOMINAL, nominal)), WinchParameters(), driven(drive))
+    loop = Replay(past, Asked(nominal))
+    assert loop.run().modes == record.modes
+    assert not loop.is_other
 
 
 def test_a_record_in_which_an_operator_acted_is_refused_with_the_time(calm_bag, nominal, monkeypatch):
@@ -184,36 +118,32 @@ def test_a_record_in_which_an_operator_acted_is_refused_with_the_time(calm_bag, 
     assert first_request(columns) == 1.0
     record = replace(read_record(Bag(calm_bag), nominal), operated=80.0)
     monkeypatch.setattr(fitness, "SHORTEST", -math.inf)
-    with pytest.raises(CommandError, match=r"an operator acted at 80\.0 s.*: give --end 80$"):
+    with pytest.raises(CommandError, match=r"from 80\.0 s on an operator acted.*: give --end 80$"):
         fitness.check_record(record, 0.0, "bag")
     assert math.isinf(record.part(70.0).operated)
 
 
 @pytest.mark.parametrize(
-    ("loss", "words"),
+    ("sensor", "words"),
     [
-        (Loss("encoder", 60.0, 70.0, "frozen"), "what the drum did is not known there; give --end 60"),
-        (Loss("depth", 60.0, 70.0, "stale"), "depth was lost from 60.0 s to 70.0 s (stale): the unit's motion is not"),
-        (Loss("mru", 2.0, 9.0, "stale"), ""),  # the readings are there: the controller was held up
-        (Loss("load_cell", 60.0, 70.0, "frozen"), ""),
+        ("mru", "from 3.0 s on mru was not read until 5.0 s: give --end 3"),
+        ("depth", "depth was not read until 5.0 s"),
+        ("encoder", "encoder was not read until 5.0 s"),
+        ("load_cell", ""),
     ],
 )
-def test_a_record_in_which_the_controller_lost_a_sensor_is_refused_with_the_reason(
-    calm_bag, nominal, monkeypatch, loss, words
+def test_a_record_in_which_a_sensor_did_not_read_is_refused_with_the_time(
+    calm_bag, nominal, monkeypatch, sensor, words
 ):
-    monkeypatch.setattr(fitness, "READ_SHARE", 0.0)
-    short = read_record(Bag(calm_bag), nominal)
-    many = {name: getattr(short, name) * 12 for name in ("measurements", "orders", "modes")}
-    with pytest.raises(CommandError, match=re.escape(words)) if words else contextlib.nullcontext():
-        fitness.check_record(replace(short, **many, losses=(loss,)), 0.0, "bag")
-
-
-@pytest.mark.long
-def test_the_same_law_gives_a_record_in_real_time_again(nominal, tmp_path):
-    bag = run_scenario(tmp_path / "run", duration=30.0, options=("--pacing", "realtime", "--composed"))
-    record = read_record(Bag(bag), nominal)
-    assert record.ticks == 600
-    assert observed_again(record, nominal).is_same
+    monkeypatch.setattr(fitness, "SHORTEST", -math.inf)
+    whole = read_record(Bag(calm_bag), nominal)
+    without = {"mru": {"mru": ()}, "encoder": {"winch": None}}
+    given = [
+        replace(one, **without.get(sensor, {"scalar": {**one.scalar, sensor: ()}})) if 3.0 < time < 5.0 else one
+        for time, one in zip(whole.time, whole.measurements, strict=True)
+    ]
+    with pytest.raises(CommandError, match=words) if words else contextlib.nullcontext():
+        fitness.check_record(replace(whole, measurements=tuple(given)), 0.0, "bag")
 
 
 @pytest.mark.parametrize(
@@ -221,7 +151,7 @@ def test_the_same_law_gives_a_record_in_real_time_again(nominal, tmp_path):
     [
         ("unit/pressure", "holds no unit/pressure: the unit's motion is not measured, so it cannot be predicted"),
         ("mru", "holds no mru: the boom tip's motion is not known"),
-        ("controller/state", "holds no controller/state: what the controller was given in each tick is not known"),
+        ("controller/state", "holds no controller/state: about which payout the winch worked is not known"),
         ("winch/command", "holds no winch/command: what the winch was ordered is not known"),
     ],
 )
@@ -242,8 +172,7 @@ def test_a_bag_without_a_sensor_is_refused_in_one_line(calm_bag, tmp_path, left_
         (("--set", "cable_sim.length=500"), 2, "cable_sim.length cannot be asked"),
         (("--set", "system.sea.peak_period=9"), 2, "cannot be asked"),
         (("--set", "all.duration=20"), 2, "all.duration cannot be asked"),
-        (("--end", "-1"), 2, "--end -1: must be 0 or more"),
-        (("--transient", "nan"), 2, "--transient nan: must be 0 or more"),
+        (("--end", "-1"), 1, "0 s are left after its transient"),
     ],
 )
 def test_what_cannot_be_answered_is_refused_in_one_line(calm_bag, options, status, words):
@@ -256,9 +185,9 @@ def test_a_bag_that_is_cut_is_said_to_be(calm_bag, tmp_path):
     bag = shutil.copytree(calm_bag, tmp_path / "bag")
     (file,) = bag.glob("*.mcap")
     os.truncate(file, file.stat().st_size // 2)
-    _, _, complaint = heave(["whatif", str(bag), "--transient", "0"])
+    _, _, complaint = heave(["whatif", str(bag)])
     assert re.search(r"warning: \S+\.mcap: .* at byte \d+: everything from [0-9.]+ s on .* lost", complaint)
-    assert "s are left after its transient of 0 s" in complaint
+    assert "s are left after its transient" in complaint
 
 
 @pytest.mark.long
@@ -288,7 +217,7 @@ def test_loops_that_are_closed_in_other_processes_answer_alike(monkeypatch):
     _, record = Recording(scenario).record()
     nominal = scenario.parameters["winch_controller"]
     known = learn(record, nominal, start=40.0)
-    asked = [Asked(law, replace(nominal, law=law)) for law in ("lqg", "off")]
+    asked = [Asked(replace(nominal, law=law)) for law in ("lqg", "off")]
     here = answers(known, asked, [known])
     with workers(2) as run:
         there = answers(known, asked, [known], run=run)

@@ -9,7 +9,6 @@ from cable_sim_node.winch.parameters import WinchParameters
 from heave_bringup.scenarios import load_scenario
 from heave_node.interface.sensors import MruReading
 from heave_studies.whatif import twin as plant
-from heave_studies.whatif.answer import set_point_of
 from heave_studies.whatif.identify import (
     DELAY,
     INERTIA,
@@ -113,14 +112,6 @@ def test_an_uncertain_mru_widens_the_prior(nominal):
     mru = replace(nominal.sensors.mru, scale_sigma=0.05)
     uncertain = replace(nominal, sensors=replace(nominal.sensors, mru=mru))
     assert prior_of(uncertain)[SCALE] == 0.05
-
-
-def test_ticks_that_the_controller_left_out_move_no_set_point():
-    # a unit that is lowered at 0.2 m/s: a mean of a minute stood 1.2 m off in the ticks between
-    moved, time = 0.2 * TIME, np.arange(len(TIME))
-    left_out = (time >= 850) & (time < 857)
-    record = SensorRecord(TICK, 1, (), (), np.where(left_out, math.nan, moved), ())
-    assert set_point_of(record) == pytest.approx(moved, abs=1e-9)
 
 
 def test_a_value_is_known_where_the_record_says_more_than_was_known_before(nominal):

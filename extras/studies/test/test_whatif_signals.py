@@ -61,7 +61,7 @@ def test_the_smoothed_boom_tip_is_as_near_to_the_motion_as_it_says():
     error = float(np.std((tip.heave - MOTION)[inside]))
     assert error < 0.25 * NOISE
     assert 0.5 < error / tip.sigma < 2.0
-    assert np.std((tip.rate - RATE)[inside]) < 0.5 * NOISE  # four readings averaged
+    assert np.std((tip.rate - RATE)[inside]) < 0.5 * NOISE
 
 
 def test_scale_mean_and_delay_of_the_mru_are_taken_back():

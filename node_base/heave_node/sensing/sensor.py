@@ -71,9 +71,7 @@ class Sensor:
             self._noise = list(self._random.standard_normal((_DRAWN_AT_ONCE, self._ones.size))[::-1])
         noise = self._noise.pop()
         if self._is_due(time) and not self.faults.is_active("gap", time):
-            view = self._parameters.view(truth)
-            if view.is_available:
-                self._measure(time, view, noise)
+            self._measure(time, self._parameters.view(truth), noise)
         return self._deliver(time)
 
     def _is_due(self, time: float) -> bool:

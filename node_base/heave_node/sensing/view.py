@@ -21,7 +21,6 @@ class View(NamedTuple):
     sigma: Array | float  # standard deviation of the white noise of each value, or of all
     bias: Array | float = 0.0  # constant error of each value, or of all
     extra_latency: float = 0.0  # of a sample taken now, beyond the sensor's own [s]
-    is_available: bool = True  # False: the sensor cannot measure now
     resolution: Sequence[float] = ()  # to which each value is rounded, 0: it is not; empty: none is
 
 
@@ -34,8 +33,8 @@ class SensorParameters(abc.ABC):
     """
 
     fitted: bool = parameter(True, description="The sensor is fitted.")
-    rate: float = parameter(10.0, "Hz", 1e-3, 10_000.0, "Samples per second.")
-    latency: float = parameter(0.0, "s", 0.0, 600.0, "Delay from time stamp to delivery.")
+    rate: float = parameter(10.0, "Hz", 0.01, 1000.0, "Samples per second.")
+    latency: float = parameter(0.0, "s", 0.0, 5.0, "Delay from time stamp to delivery.")
     scale_error: float = parameter(0.0, "", -1.0, 1.0, "Relative scale error: 0.05 reads 5 % high.")
     faults: FaultParameters = group(SensorFaultParameters)
 

@@ -22,6 +22,12 @@ class WinchFigures:
     position_rate: float = parameter(1.0, "1/s", 1e-3, 1e3, "K of the first-order winch.")
     command_delay: float = parameter(0.2, "s", 0.0, 60.0, "Time from the start of a command's tick to its effect.")
     speed_limit: float = parameter(2.0, "m/s", 1e-3, 100.0, "Largest payout speed.")
+    acceleration_limit: float = parameter(1.5, "m/s^2", 1e-3, 1e6,
+        "Largest payout acceleration in normal operation; of a detailed drive, that of its speed reference.",
+    )  # fmt: skip
+    speed_gain: float = parameter(1.0, "", 0.1, 10.0, "Speed servo: steady speed divided by the set-point.")
+    position_gain: float = parameter(0.0, "1/s", 0.0, 100.0,
+        "Gain k_p from payout error to speed; 0: the drive follows the rate set-point only.")  # fmt: skip
     creep: float = parameter(0.0, "m/s", -1.0, 1.0,
         "Drift speed under load of a drum whose speed loop has no integral action; it adds to every "
         "set-point. The brake stops it.")  # fmt: skip

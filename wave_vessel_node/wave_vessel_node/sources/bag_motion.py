@@ -24,6 +24,9 @@ from mcap.records import Channel, Message, Schema
 Sample = tuple[float, float, float, float]
 """Stamp [s] and x, y, z [m]."""
 
+TOPICS = ("boom_tip", "mru")
+"""What is read of a bag: the last part of the topic's name, the first of these that has samples."""
+
 _DAMAGE = (McapError, struct.error, zstandard.ZstdError, RuntimeError, ValueError, EOFError, OSError, MemoryError)
 """Errors that the readers of MCAP and of its compressions raise for a file that is cut off or damaged."""
 _ZSTD_MAGIC = b"\x28\xb5\x2f\xfd"
@@ -33,16 +36,24 @@ class BagMotionError(ValueError):
     """A bag that holds no motion that can be used; the message is one line."""
 
 
-def bag_samples(path: Path, topic: str) -> tuple[list[Sample], list[str]]:
+def bag_samples(path: Path) -> tuple[list[Sample], list[str]]:
     """Return the samples of a bag, in the order of its files, and what could not be read of it, one line each.
 
-    Parameters
-    ----------
-    path : a file, or a folder with MCAP files
-    topic : last part of the topic's name
-
-    Raises BagMotionError if nothing is there, or it is of another type, or packed.
+    `path` is a file, or a folder with MCAP files. Raises BagMotionError if nothing is there, or it is of another type,
+    or packed.
     """
+    for topic in TOPICS:
+        samples, lost, found = _samples_of(path, topic)
+        if samples:
+            return samples, lost
+    wanted = " or ".join(TOPICS)
+    if lost:
+        raise BagMotionError(f"{path}: no sample of {wanted} can be read: {lost[0]}")
+    raise BagMotionError(f"{path}: there is no topic {wanted}; found {', '.join(sorted(found)) or 'none'}")
+
+
+def _samples_of(path: Path, topic: str) -> tuple[list[Sample], list[str], set[str]]:
+    """Return the samples of a `topic` in a bag, what could not be read, and the names of all topics found."""
     samples: list[Sample] = []
     lost = _missing(path) if path.is_dir() else []
     found: set[str] = set()
@@ -58,11 +69,7 @@ def bag_samples(path: Path, topic: str) -> tuple[list[Sample], list[str]]:
             raise
         except _DAMAGE as error:
             lost.append(_damage(file, error, len(samples) - before))
-    if not samples and lost:
-        raise BagMotionError(f"{path}: no sample of {topic} can be read: {lost[0]}")
-    if not samples:
-        raise BagMotionError(f"{path}: there is no topic {topic}; found {', '.join(sorted(found)) or 'none'}")
-    return samples, lost
+    return samples, lost, found
 
 
 def _files(path: Path) -> list[Path]:

@@ -16,9 +16,7 @@ from wave_vessel_node.vessel.motion import HEAVE, VesselMotions
 def build(scene: Scene) -> MotionSource:
     """Return the source `file` of a scene; what was repaired in the file is added to the scene's warnings."""
     parameters = scene.parameters
-    recording = read_recording(
-        parameters.recording_file, parameters.recording_topic, accept_implausible=parameters.accept_implausible
-    )
+    recording = read_recording(parameters.recording_file, accept_implausible=parameters.accept_implausible)
     scene.warnings.extend(recording.warnings)
     return RecordedSource(recording, scene.tick_period)
 

@@ -39,13 +39,12 @@ class Recording:
     warnings: tuple[str, ...]  # what was left out, and what of a bag could not be read
 
 
-def read_recording(path: str | Path, topic: str = "boom_tip", *, accept_implausible: bool = False) -> Recording:
+def read_recording(path: str | Path, *, accept_implausible: bool = False) -> Recording:
     """Read a recording.
 
     Parameters
     ----------
     path : a .csv file, an .mcap file, or a bag folder with one
-    topic : last part of the topic's name in a bag
     accept_implausible : take implausible figures as they are; they are in the warnings
 
     The mean is taken out, time begins at 0. Samples that are not numbers, that the MRU calls invalid, or that are not
@@ -64,7 +63,7 @@ def read_recording(path: str | Path, topic: str = "boom_tip", *, accept_implausi
     elif path.is_dir() or path.suffix.lower() == ".mcap":
         # by their stamps: neither the names of split files nor the order in a file say what comes first
         try:
-            unsorted, lost = bag_samples(path, topic)
+            unsorted, lost = bag_samples(path)
         except BagMotionError as error:
             raise RecordingError(str(error)) from error
         samples = sorted(unsorted, key=lambda sample: sample[0])

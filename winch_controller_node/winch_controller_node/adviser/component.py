@@ -385,7 +385,7 @@ class Adviser:
     def _look_at_sea(self, observations: Observations) -> None:
         """Follow the sea that is seen, where that is another one and predicts the readings better."""
         parameters = self.parameters
-        if not parameters.estimator.sea_adaptation or not parameters.sea.follows_spectrum:
+        if not parameters.sea.follows_spectrum:
             return
         if self._beliefs.excluded == "mru" or "mru" not in parameters.sensors.use:
             return

@@ -30,6 +30,8 @@ awake."""
 
 LARGEST_NOISE = 10.0
 """Largest standard deviation of the noise of a motion, in SI units: as a parameter, and as a sensor may state it."""
+LEAST_NOISE = 1e-5
+"""Standard deviation that is assumed of a sensor that is stated to have less, in its own unit: a filter needs some."""
 
 MEASURED_WORDS = {
     "mru_heave": "MRU heave",
@@ -130,11 +132,12 @@ class MruModelParameters(SampledSensorParameters):
 
     sees: ClassVar[str] = "boom_tip"
 
-    noise: float = parameter(0.01, "m", 1e-5, LARGEST_NOISE, "White noise of heave, 1 sigma.")
-    rate_noise: float = parameter(0.01, "m/s", 1e-5, LARGEST_NOISE, "White noise of heave rate, 1 sigma.")
+    noise: float = parameter(0.01, "m", 0.0, 1.0, "White noise of heave: standard deviation of each reading.")
+    rate_noise: float = parameter(0.01, "m/s", 0.0, 1.0,
+        "White noise of heave rate: standard deviation of each reading.")  # fmt: skip
     high_pass_period: float = parameter(0.0, "s", 0.0, 300.0,
         "Cut-off period of the MRU's high-pass filter; 0: no filter.")  # fmt: skip
-    high_pass_damping: float = parameter(0.7071, "", 0.2, 2.0, "Damping ratio of the MRU's high-pass filter.")
+    high_pass_damping: float = 0.7071  # damping ratio of the high-pass filter [-]
     scale_sigma: float = parameter(0.0, "", 0.0, 0.5, "Possible scale error, 1 sigma; 0: not estimated.")
     bias_sigma: float = parameter(0.0, "m", 0.0, 100.0,
         "Possible mean of heave, from trim or another reference point, 1 sigma; 0: not estimated.")  # fmt: skip
@@ -146,8 +149,12 @@ class MruModelParameters(SampledSensorParameters):
     def rows(self) -> tuple[MeasurementRow, ...]:
         """Tell heave and heave rate; the high-pass is in the model."""
         return (
-            MeasurementRow("mru_heave", "mru_heave", self.noise, "m", state=MRU_BIAS, scale_state=MRU_SCALE),
-            MeasurementRow("mru_heave_rate", "mru_heave_rate", self.rate_noise, "m/s", scale_state=MRU_SCALE),
+            MeasurementRow(
+                "mru_heave", "mru_heave", max(self.noise, LEAST_NOISE), "m", state=MRU_BIAS, scale_state=MRU_SCALE
+            ),
+            MeasurementRow(
+                "mru_heave_rate", "mru_heave_rate", max(self.rate_noise, LEAST_NOISE), "m/s", scale_state=MRU_SCALE
+            ),
         )
 
     def slow_states(self) -> tuple[SlowState, ...]:
@@ -170,16 +177,15 @@ class DepthModelParameters(SampledSensorParameters):
     zero: ClassVar[Zero] = Zero.FIRST_READING
     sign: ClassVar[float] = -1.0
 
-    noise: float = parameter(0.02, unit="m", minimum=1e-5, maximum=100.0, description="White noise, 1 sigma.")
+    noise: float = parameter(0.02, "m", 0.0, 100.0, "White noise, 1 sigma.")
     rate: float = parameter(10.0, unit="Hz", minimum=0.01, maximum=1000.0, description="Readings per second.")
     latency: float = parameter(0.1, "s", 0.0, 5.0, "Typical age on arrival.")
     bias_sigma: float = parameter(1.0, "m", 0.0, 100.0, "Uncertainty of the mean depth at the start, 1 sigma.")
-    bias_drift: float = parameter(2e-4, "m/sqrt(s)", 0.0, 1.0,
-        "Random walk of the mean depth: tide, sensor drift, stretch.")  # fmt: skip
+    bias_drift: float = 2e-4  # random walk of the mean depth: tide, sensor drift, stretch [m/sqrt(s)]
 
     def rows(self) -> tuple[MeasurementRow, ...]:
         """Tell the heave of the unit, with an unknown mean."""
-        return (MeasurementRow("unit_heave", "unit_heave", self.noise, "m", state=DEPTH_BIAS),)
+        return (MeasurementRow("unit_heave", "unit_heave", max(self.noise, LEAST_NOISE), "m", state=DEPTH_BIAS),)
 
     def slow_states(self) -> tuple[SlowState, ...]:
         """Follow the mean."""
@@ -192,7 +198,7 @@ class EncoderModelParameters(SensorModelParameters):
 
     sees: ClassVar[str] = "drum"
 
-    noise: float = parameter(3e-4, "m", 1e-6, 1.0, "Noise of the encoder, 1 sigma; steps of 1 mm give 0.29 mm.")
+    noise: float = parameter(3e-4, "m", 0.0, 1.0, "Noise of the encoder, 1 sigma; steps of 1 mm give 0.29 mm.")
 
     def rows(self) -> tuple[MeasurementRow, ...]:
         """Tell the payout.
@@ -200,7 +206,7 @@ class EncoderModelParameters(SensorModelParameters):
         A servo other than assumed moves the drum otherwise, at the winch's limits by centimetres in a second: refusing
         the encoder would leave the loop blind when it is needed most; jumps are found by a gate of its own.
         """
-        return (MeasurementRow("payout", "payout", self.noise, "m", is_gated=False),)
+        return (MeasurementRow("payout", "payout", max(self.noise, LEAST_NOISE), "m", is_gated=False),)
 
 
 @dataclass(frozen=True)
@@ -210,12 +216,12 @@ class VelocityModelParameters(SampledSensorParameters):
     sees: ClassVar[str] = "unit"
     component: ClassVar[int] = 2
 
-    noise: float = parameter(0.01, unit="m/s", minimum=1e-5, maximum=LARGEST_NOISE, description="White noise, 1 sigma.")
+    noise: float = parameter(0.01, "m/s", 0.0, 100.0, "White noise, 1 sigma.")
     rate: float = parameter(5.0, unit="Hz", minimum=0.01, maximum=1000.0, description="Readings per second.")
 
     def rows(self) -> tuple[MeasurementRow, ...]:
         """Tell the unit's heave rate."""
-        return (MeasurementRow("unit_velocity", "unit_heave_rate", self.noise, "m/s"),)
+        return (MeasurementRow("unit_velocity", "unit_heave_rate", max(self.noise, LEAST_NOISE), "m/s"),)
 
 
 @dataclass(frozen=True)
@@ -226,11 +232,11 @@ class ImuModelParameters(SampledSensorParameters):
     component: ClassVar[int] = 2
     includes_gravity: ClassVar[bool] = True
 
-    noise: float = parameter(0.02, "m/s^2", 1e-5, LARGEST_NOISE, "White noise, 1 sigma.")
+    noise: float = parameter(0.02, "m/s^2", 0.0, 100.0, "White noise, 1 sigma.")
 
     def rows(self) -> tuple[MeasurementRow, ...]:
         """Tell the unit's acceleration."""
-        return (MeasurementRow("unit_acceleration", "unit_heave_acceleration", self.noise, "m/s^2"),)
+        return (MeasurementRow("unit_acceleration", "unit_heave_acceleration", max(self.noise, LEAST_NOISE), "m/s^2"),)
 
 
 @dataclass(frozen=True)
@@ -241,18 +247,16 @@ class LoadCellModelParameters(SampledSensorParameters):
     zero: ClassVar[Zero] = Zero.STATIC_TENSION
     is_always_watched: ClassVar[bool] = True
 
-    noise: float = parameter(0.005, "", 1e-6, 1.0, "White noise, as a fraction of the static tension, 1 sigma.")
+    noise: float = parameter(0.005, "", 0.0, 1.0, "White noise, as a fraction of the static tension, 1 sigma.")
     model_error: float = parameter(0.01, "", 0.0, 1.0,
         "Error of the tension from the two-state cable, as a fraction of the static tension, 1 sigma.")  # fmt: skip
     bias_sigma: float = parameter(0.05, "", 0.0, 1.0, "Uncertainty of the static tension at the start, 1 sigma.")
-    bias_drift: float = parameter(2e-4, "1/sqrt(s)", 0.0, 1.0,
-        "Random walk of the static tension: cable paid out, drift of the load cell.")  # fmt: skip
+    bias_drift: float = 2e-4  # random walk of the static tension: cable paid out, drift of the load cell [1/sqrt(s)]
 
     def rows(self) -> tuple[MeasurementRow, ...]:
         """Tell the tension less the static one."""
-        return (
-            MeasurementRow("tension", "tension", math.hypot(self.noise, self.model_error), "", state=LOAD_CELL_BIAS),
-        )
+        sigma = max(math.hypot(self.noise, self.model_error), LEAST_NOISE)
+        return (MeasurementRow("tension", "tension", sigma, "", state=LOAD_CELL_BIAS),)
 
     def slow_states(self) -> tuple[SlowState, ...]:
         """Follow the static tension."""

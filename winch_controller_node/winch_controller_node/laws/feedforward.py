@@ -25,7 +25,7 @@ class FeedforwardParameters:
 
     prediction: bool = parameter(True,
         description="Predict the boom tip over the winch's delay and lag; false: command the MRU's rate.")  # fmt: skip
-    centring_time: float = parameter(60.0, "s", 1.0, 3600.0, "Time constant with which the mean payout is restored.")
+    centring_time: float = 60.0  # time constant with which the mean payout is restored [s]
 
 
 class SpeedFeedforward(CoreLaw):

@@ -14,7 +14,6 @@ from typing import ClassVar
 
 from heave_core.law import put
 from heave_node.numerics.arrays import Array
-from heave_node.parameters import parameter
 
 from winch_controller_node.laws.core_law import StateFeedback
 from winch_controller_node.laws.law import LawDesign
@@ -26,8 +25,8 @@ from winch_controller_node.laws.parts.near_limits import near_limits
 class LqgParameters:
     """Feedback of all states."""
 
-    unit_share: float = parameter(0.2, "", 0.001, 100.0,
-        "Fraction of the winch's speed limit available to the feedback of the unit's own error.")  # fmt: skip
+    # fraction of the winch's speed limit that is available to the feedback of the unit's own error [-]
+    unit_share: float = 0.2
 
 
 class FullStateFeedback(StateFeedback):

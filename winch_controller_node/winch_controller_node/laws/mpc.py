@@ -49,31 +49,25 @@ class MpcParameters:
     """The constrained law."""
 
     horizon: float = parameter(10.0, unit="s", minimum=1.0, maximum=60.0, description="Prediction horizon.")
-    solve_ticks: int = parameter(1, unit="", minimum=1, maximum=20, description="Ticks between solutions.")
-    iteration_limit: int = parameter(200, "", 5, 100_000, "Iterations after which the last good plan is followed.")
+    solve_ticks: int = 1  # ticks between solutions
+    iteration_limit: int = 200  # iterations after which the last good plan is followed
     unit_heave: float = parameter(0.01, "m", 1e-4, 10.0,
         "Cost of law mpc: scale of unit heave. Laws lqr and lqg have weights.unit_heave.")  # fmt: skip
     payout_acceleration: float = parameter(0.5, "m/s^2", 0.0, 1e3,
         "Cost of law mpc: scale of payout acceleration; smaller saves power, 0 removes it.")  # fmt: skip
-    payout: float = parameter(50.0, unit="m", minimum=0.0, maximum=1e5, description="Cost of law mpc: scale of payout.")
+    payout: float = 50.0  # cost: scale of payout [m]
     command: float = parameter(0.3, "m/s", 1e-3, 1e3,
         "Cost of law mpc: scale of the command; a small value leaves some motion uncompensated.")  # fmt: skip
     free_payout_acceleration: float = parameter(0.6, "m/s^2", 0.0, 1e3,
         "Cost away from the winch limits: scale of payout acceleration; less saves power, 0 removes it.")  # fmt: skip
-    free_command: float = parameter(
-        2.0,
-        unit="m/s",
-        minimum=1e-3,
-        maximum=1e3,
-        description="Cost away from the winch limits: scale of the command; it hardly matters beside the "
-        "acceleration term.",
-    )
-    release_time: float = parameter(60.0, "s", 0.0, 1e4,
-        "Time constant with which the law returns to full effort after a limit shaped its plan.")  # fmt: skip
+    # cost away from the winch limits: scale of the command [m/s]; it hardly matters beside the acceleration term
+    free_command: float = 2.0
+    # time constant with which the law returns to full effort after a limit shaped its plan [s]
+    release_time: float = 60.0
     preview_time: float = parameter(0.0, "s", 0.0, 60.0,
         "Time ahead for which a boom-tip preview is used; 0: not used.")  # fmt: skip
     preview_noise: float = parameter(0.05, "m", 1e-3, 10.0, "Error of the boom-tip preview, 1 sigma.")
-    softness: float = parameter(1e-7, "", 1e-12, 1.0, "Reciprocal weight of a violated constraint: smaller is harder.")
+    softness: float = 1e-7  # reciprocal weight of a violated constraint: smaller is harder [-]
 
 
 def constrained_gain(model: LinearModel, parameters: MpcParameters) -> Array:

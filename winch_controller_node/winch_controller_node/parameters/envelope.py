@@ -17,11 +17,11 @@ class EnvelopeParameters:
     active: bool = parameter(True,
         description="Limit every command; false passes all commands, for simulation only.")  # fmt: skip
     window: float = 60.0  # time over which the boom tip's motion is watched [s]
-    rate_factor: float = parameter(1.5, "", 1.0, 10.0,
-        "Speed limit relative to the requested move, as a multiple of the largest boom-tip rate.")  # fmt: skip
+    # speed limit relative to the requested move, as a multiple of the largest boom-tip rate [-]
+    rate_factor: float = 1.5
     rate_margin: float = parameter(0.25, "m/s", 0.0, 10.0, "Speed allowed beyond envelope.rate_factor.")
-    travel_factor: float = parameter(1.5, "", 1.0, 10.0,
-        "Travel limit relative to the requested move, as a multiple of the largest boom-tip heave.")  # fmt: skip
+    # travel limit relative to the requested move, as a multiple of the largest boom-tip heave [-]
+    travel_factor: float = 1.5
     travel_margin: float = parameter(0.3, "m", 0.0, 100.0, "Travel allowed beyond envelope.travel_factor.")
     travel_time: float = 60.0  # time constant with which travel decays [s]
     early_factor: float = 2.5  # factor on both bounds while the window is empty [-]

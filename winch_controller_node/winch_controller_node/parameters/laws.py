@@ -76,8 +76,7 @@ class ModeParameters:
 class TensionLawParameters:
     """The constant-tension mode and landing."""
 
-    landing_ratio: float = parameter(0.2, "", 0.0, 0.95,
-        "Fraction of the load's weight that the cable carries after touchdown.")  # fmt: skip
+    landing_ratio: float = 0.2  # fraction of the load's weight that the cable carries after touchdown [-]
     touchdown_ratio: float = parameter(0.6, "", 0.0, 0.99,
         "Touchdown: a lowered load leaves less than this fraction of its weight on the cable.")  # fmt: skip
     lift_height: float = parameter(2.0, "m", 0.0, 100.0, "Height to which the unit is raised after lift-off.")

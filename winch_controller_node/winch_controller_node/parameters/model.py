@@ -36,14 +36,10 @@ class CableModelParameters:
 class WinchModelParameters(WinchFigures):
     """The winch as the controller assumes it: law, lags, delay and limits."""
 
-    speed_gain: float = parameter(1.0, "", 0.1, 10.0, "Steady speed of the servo divided by its set-point.")
     hauling_gain: float = parameter(1.0, "", 0.1, 10.0, "Factor on speed_gain while hauling in.")
-    position_gain: float = parameter(0.0, "1/s", 0.0, 1e3,
-        "k_p of the servo's position loop, which adds to its speed loop.")  # fmt: skip
     set_point_reach: float = parameter(1.0, "", 1.0, 1e3,
         "Largest effective speed set-point, as a multiple of speed_limit; above 1 it drives a slow servo harder.",
     )  # fmt: skip
-    acceleration_limit: float = parameter(1.5, "m/s^2", 1e-3, 1e6, "Largest payout acceleration.")
     disturbance: float = parameter(0.01, "m/s^2/sqrt(Hz)", 0.0, 10.0,
         "Unmodelled white acceleration of the drum (two-sided density).")  # fmt: skip
 
@@ -105,7 +101,6 @@ class SeaModelParameters(SeaParameters):
 class VesselModelParameters(VesselAnswer):
     """The vessel as the controller assumes it: of second order (thesis Eq. 6.25), also where fitted to RAOs."""
 
-    gain: float = parameter(1.0, "", 1e-3, 10.0, "K_v of the vessel.")
     accept_implausible: bool = parameter(False, description="Take implausible RAOs of rao_file as they are.")
     heading: float = parameter(0.0, "rad", -6.3, 6.3,
         "Heading of the vessel from world x, anticlockwise; models rao, fitted.")  # fmt: skip
@@ -139,13 +134,9 @@ class EstimatorParameters:
     """The Kalman filter."""
 
     gate: float = parameter(25.0, "", 1.0, 1e6, "Normalised innovation squared above which a reading is rejected.")
-    gate_limit: int = parameter(100, "", 1, 100_000,
-        "Rejected readings in a row after which the sensor's next is accepted, with enlarged covariance.",
-    )  # fmt: skip
+    # rejected readings in a row after which the sensor's next is accepted, with enlarged covariance
+    gate_limit: int = 100
     largest_age: float = parameter(1.0, "s", 0.0, 10.0, "Readings older than this on arrival are discarded.")
-    sea_adaptation: bool = parameter(True,
-        description="Adapt to the observed sea: its height scales the noise, a new period needs a new design.",
-    )  # fmt: skip
 
 
 CONFIRMED_AFTER = 5.0
@@ -158,8 +149,7 @@ class CraneModelParameters(CraneParameters):
 
     joints: tuple[str, ...] = parameter(JOINTS,
         description="Joints in crane/pose; others keep the reference pose.", choices=JOINTS)  # fmt: skip
-    pose_timeout: float = parameter(1.0, "s", 0.05, 60.0,
-        "Age above which the newest usable pose is stale; the last one is then held.")  # fmt: skip
+    pose_timeout: float = 1.0  # age above which the newest usable pose is stale; the last one is then held [s]
     # fastest that slew, luff or knuckle can turn: an angle that changes faster has jumped [rad/s]
     largest_turn_rate: float = 0.1
     # fastest that the boom can extend: an extension that changes faster has jumped [m/s]

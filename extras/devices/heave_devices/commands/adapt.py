@@ -9,13 +9,14 @@ import time
 from typing import TYPE_CHECKING
 
 from heave_bringup.commands.arguments import add_namespace, add_network
-from heave_bringup.errors import CommandError
+from heave_bringup.errors import CommandError, ExitStatus, VerdictError
 from heave_node.parameters import ParameterError
 
 if TYPE_CHECKING:
     from heave_devices.adapt.session import Session
     from heave_devices.bench.wiggle import Verdict
     from heave_devices.maps.device_map import DeviceMap
+
 
 SUMMARY = "Connect a third-party sensor or winch using a mapping file: serial, UDP, TCP, Modbus/TCP, OPC UA, ROS."
 EXAMPLES = (
@@ -24,6 +25,12 @@ EXAMPLES = (
     "heave adapt my_winch.yaml --wiggle 20        # out by 20 mm and back: are signs and units right?",
     "heave adapt my_mru.yaml my_load_cell.yaml    # in another terminal: heave run ... --replace wave_vessel=external",
 )
+
+
+class IncompleteError(CommandError):
+    """The command did what it says, and somebody has to look before there is a verdict."""
+
+    status = ExitStatus.VERDICT_FAILED
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -39,6 +46,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         type=float,
         metavar="MM",
         help="move the winch by MM millimetres and back, and check signs and units",
+    )
+    parser.add_argument(
+        "--seen",
+        nargs="+",
+        default=[],
+        choices=("direction", "fault", "reset"),
+        help="of --wiggle: what you have tried by hand and found right, since no move shows it",
     )
     parser.add_argument("--duration", type=float, default=math.inf, metavar="S", help="stop after S seconds")
     add_namespace(parser, "the run is in namespace NAME")
@@ -107,20 +121,29 @@ def _serve(options: argparse.Namespace, maps: list[DeviceMap]) -> None:
 
 
 def _wiggle(options: argparse.Namespace, session: Session) -> None:
-    """Move the winch of a `session`, print what was found, and raise CommandError where its map is wrong."""
+    """Move the winch of a `session`, and print what was found.
+
+    Raises VerdictError where its map is wrong, and IncompleteError where that is not yet known.
+    """
     from heave_bringup.output import make_table, write_result
 
     from heave_devices.bench.wiggle import wiggle
 
-    found = session.alone(lambda winch, spin: wiggle(winch, spin, 1e-3 * options.wiggle))
+    moved = session.alone(lambda winch, spin: wiggle(winch, spin, 1e-3 * options.wiggle))
+    found = [one if one.is_tried or one.what not in options.seen else one.seen() for one in moved]
     rows = [[verdict.what, _judgement(verdict), verdict.words] for verdict in found]
     titles = ("quantity", "verdict", "found")
     write_result(options, make_table(titles, rows, texts=titles), [verdict._asdict() for verdict in found])
-    wrong = [verdict.what for verdict in found if not verdict.is_good]
+    wrong = [f"{verdict.what}: not as the map says" for verdict in found if not verdict.is_good]
     if wrong:
-        raise CommandError(f"{session.devices[0].device.name}: {', '.join(wrong)}: not as the map says")
-    untried = ", ".join(verdict.what for verdict in found if not verdict.is_tried)
-    sys.stderr.write(f"{session.devices[0].device.name}: not shown by this move, to be tried by you: {untried}\n")
+        raise VerdictError(wrong, "the table above")
+    untried = [verdict.what for verdict in found if not verdict.is_tried]
+    if untried:
+        raise IncompleteError(
+            f"verdict INCOMPLETE: {', '.join(untried)}: no move shows it. Try it by hand; once it is right, "
+            f"repeat with --seen {' '.join(untried)}"
+        )
+    sys.stderr.write("verdict: passed; signs and units are right\n")
 
 
 def _judgement(verdict: Verdict) -> str:

@@ -7,8 +7,8 @@ from heave_devices.formats.sample import DAY, Sample, TimeBase
 COUNTER_WRAP = 2.0**32 * 1e-3
 """A counter of milliseconds in 32 bits begins again after this time [s]."""
 
-LATEST = 2.0**31
-"""No time of a device is later: a stamp of ROS ends here, in 2038 [s]."""
+LATEST = 1e11
+"""No time of a device is later, from whatever year it counts: from the year 1 it is 6.4e10 [s]."""
 
 
 class DeviceTime:

@@ -25,9 +25,9 @@ from heave_devices.maps.device_map import DeviceMap
 from heave_devices.maps.quantities import OUTPUTS
 
 _COUNT_BEGAN = 10**18
-"""Stamp of a time of 0 s by a count or counter [ns]: far from any simulated time, and taken for an own one."""
-_OWN_FROM = 1e8
-"""A counter that begins above it counts from 1970 or the like, and is far from any simulated time as it is [s]."""
+"""Stamp of 0 s of a count or counter, and of the first time that no stamp holds [ns]: it is taken for an own one."""
+_OWN_FROM, _STAMPS_END = 1e8, 2.0**31
+"""A counter that begins between them counts from 1970 or the like, and is a stamp as it is, until 2038 [s]."""
 LATE = -1
 """In the place of a time: the sample is older than one before, and is not used."""
 NO_STAMP = 0
@@ -128,7 +128,8 @@ class Adapter:
             return LATE
         if self._began is None:
             is_count = sample.time_base is TimeBase.COUNTER and time < _OWN_FROM
-            self._began = _COUNT_BEGAN if is_count else 0
+            first = round(time * 1e9) if time >= _STAMPS_END else 0
+            self._began = _COUNT_BEGAN - first if is_count or first else 0
         return self._began + round(time * 1e9)
 
     def _stamp(self, own: int | None, now: float, kind: str = "") -> tuple[int, float]:

@@ -12,6 +12,8 @@ from dataclasses import dataclass, field
 from heave_node.crane.kinematics import JOINTS
 from heave_node.crane.pose import RATES
 
+from heave_devices.formats.device_time import LATEST
+
 
 @dataclass(frozen=True)
 class Quantity:
@@ -52,7 +54,7 @@ QUANTITIES: Mapping[str, Quantity] = {
     "brake": Quantity("number", 1e9),
     "fault": Quantity("number", 1e9),
     "watchdog": Quantity("number", 1e19),
-    "device_time": Quantity("time", 2.0**31),
+    "device_time": Quantity("time", LATEST),
     "slew": Quantity("angle", 7.0, _TURN),
     "luff": Quantity("angle", 3.2, _UP),
     "knuckle": Quantity("angle", 3.2, _UP),

@@ -19,7 +19,7 @@ from heave_devices.formats.table import FORMATS, LINE
 from heave_devices.maps.device_map import DeviceMap, SampleField
 from heave_devices.maps.quantities import QUANTITIES
 from heave_devices.records.sample_checks import Findings
-from heave_devices.records.ship_time import TimeError, time_of_texts
+from heave_devices.records.ship_time import TimeError, from_1970, time_of_texts
 
 _START = re.compile(r"[$:#]")
 _PIECE = 1 << 16
@@ -105,7 +105,9 @@ def _times(source: Path, device: DeviceMap, record: _Record, places: Sequence[in
     stamps = [record.stamps[place] for place in places]
     has_own, has_stamps = bool(np.isfinite(own).mean() > 0.5), sum(map(bool, stamps)) > 0.5 * len(stamps)
     if has_own and (device.clock == "own" or not has_stamps):
-        return own
+        time, words = from_1970(own)
+        findings.notes += [note for note in words if note not in findings.notes]
+        return time
     if has_stamps:
         try:
             time, words = time_of_texts(stamps, device.date_order)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from operator import attrgetter
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -17,6 +18,38 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
+class SideView(NamedTuple):
+    """A cable from the side."""
+
+    label: str  # of the case
+    along: Array  # places along the direction of view, from the lower end upwards [m]
+    height: Array  # z of these places [m]
+
+
+@dataclass(frozen=True)
+class Sides:
+    """The cables of all cases from the side, and the words of their picture."""
+
+    views: Sequence[SideView]  # of each case
+    legend: str  # what their labels are
+    along: str  # label of the horizontal axis
+    depth: float | None = None  # of the bottom [m]; None: there is none, and the lower end is a unit
+
+    def draw(self, axis: Axes) -> None:
+        """Draw them into an `axis`."""
+        for view in self.views:
+            (line,) = axis.plot(view.along, view.height, label=view.label)
+            if self.depth is None:
+                axis.plot(view.along[0], view.height[0], "s", color=line.get_color())
+        if self.depth is None:
+            axis.axhline(0.0, color="tab:blue", linewidth=0.8, alpha=0.5)
+        else:
+            axis.axhline(-self.depth, color="saddlebrown", linewidth=2.0)
+        title = "cable and unit from the side" if self.depth is None else "cable from the side"
+        axis.set(xlabel=self.along, ylabel="z [m]", title=title)
+        axis.legend(title=self.legend, fontsize="small")
+
+
 @dataclass(frozen=True)
 class CasesReport:
     """The cases of a problem."""
@@ -26,7 +59,8 @@ class CasesReport:
     rows: tuple[Any, ...]  # one for each case
     common: Mapping[str, Any]  # numbers that are the same in all cases, with units in their names
     largest_tension: float  # at the boom tip in any of the cases [N]
-    panels: Callable[[Axes, Axes], None]  # draws the two panels of the picture
+    side: Callable[[Axes], None]  # draws the cables from the side
+    other: Callable[[Axes], None]  # draws what depends on the case
     unit_load: float = math.nan  # largest force of the cable on the unit in any of them [N]; NaN: it holds none
     notes: tuple[str, ...] = ()  # lines below the table
 
@@ -40,48 +74,28 @@ class CasesReport:
 
     def draw(self, figure: Figure) -> None:
         """Draw the cable from the side, and what depends on the case, into `figure`."""
-        side, other = figure.subplots(1, 2)
-        self.panels(side, other)
-        for axis in (side, other):
+        for axis, panel in zip(figure.subplots(1, 2), (self.side, self.other), strict=True):
+            panel(axis)
             axis.grid(alpha=0.3)
 
 
-class SideView(NamedTuple):
-    """A cable from the side."""
-
-    label: str  # of the case
-    along: Array  # places along the direction of view, from the lower end upwards [m]
-    height: Array  # z of these places [m]
-
-
-def draw_sides(axis: Axes, views: Sequence[SideView], *, legend: str, along: str, depth: float | None = None) -> None:
-    """Draw cables from the side.
+def draw_curves(
+    rows: Sequence[Any], over: str, curves: Mapping[str, str], words: Mapping[str, str], scale: float, axis: Axes
+) -> None:
+    """Draw what depends on the cases.
 
     Parameters
     ----------
+    rows : of the cases
+    over : attribute of a row, dotted, in which they differ
+    curves : attribute of what is drawn, by name
+    words : labels and title of the axis
+    scale : from SI to the unit of what is drawn
     axis : of the picture
-    views : of each case
-    legend : what their labels are
-    along : label of the horizontal axis
-    depth : of the bottom [m]; None: there is none, and the lower end is a unit
     """
-    for view in views:
-        (line,) = axis.plot(view.along, view.height, label=view.label)
-        if depth is None:
-            axis.plot(view.along[0], view.height[0], "s", color=line.get_color())
-    if depth is None:
-        axis.axhline(0.0, color="tab:blue", linewidth=0.8, alpha=0.5)
-    else:
-        axis.axhline(-depth, color="saddlebrown", linewidth=2.0)
-    title = "cable and unit from the side" if depth is None else "cable from the side"
-    axis.set(xlabel=along, ylabel="z [m]", title=title)
-    axis.legend(title=legend, fontsize="small")
-
-
-def draw_curves(axis: Axes, over: Sequence[float], curves: Mapping[str, Sequence[float]], **words: str) -> None:
-    """Draw `curves` by name `over` what the cases differ in; `words` are labels and title of the `axis`."""
-    for marker, (name, values) in zip("os^", curves.items(), strict=False):
-        axis.plot(over, values, f"{marker}-", label=name)
+    for marker, (name, attribute) in zip("os^", curves.items(), strict=False):
+        places = [attrgetter(over)(row) for row in rows]
+        axis.plot(places, [scale * attrgetter(attribute)(row) for row in rows], f"{marker}-", label=name)
     axis.set(**words)
     axis.legend(fontsize="small")
 

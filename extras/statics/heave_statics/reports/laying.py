@@ -5,16 +5,18 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
 from cable_sim_node.errors import StaticsError
 from cable_sim_node.parameters import CableSimParameters
 from cable_sim_node.physics.current import current_of
+from heave_node.numerics.arrays import Array
 from heave_node.sheet import Column, Sheet
 
 from heave_statics.laying import Laying, covering_payout, critical_angle, lay
-from heave_statics.reports.cases import CasesReport, SideView, draw_sides, unit_vector
+from heave_statics.reports.cases import CasesReport, Sides, SideView, unit_vector
 from heave_statics.suspended import refuse_unbearable, static_sections
 
 if TYPE_CHECKING:
@@ -32,6 +34,10 @@ class LaidCable:
     payout: float  # speed of the cable [m/s]
     laying: Laying  # the steady shape
 
+    def way(self, along: Array) -> Array:
+        """Return the cable from touchdown to ship, seen from above: `along` a course and to port of it, (n, 2) [m]."""
+        return (self.laying.shape[:, :2] + self.laying.touchdown) @ np.column_stack((along, (-along[1], along[0])))
+
 
 LAYS = Sheet(
     Column("speed m/s", "speed", "speed_mps", ".2f"),
@@ -44,6 +50,9 @@ LAYS = Sheet(
     Column("payout m/s", "payout", "payout_mps", ".3f"),
 )
 """Columns of a lay at each speed."""
+
+ALONG = "along the course from the ship [m]"
+"""Label of an axis."""
 
 
 def laying_report(
@@ -80,7 +89,6 @@ def laying_report(
     """
     section, current = static_sections(parameters)[-1], current_of(parameters)
     along = unit_vector(course)
-    across = np.array([-along[1], along[0]])
     lays = []
     for speed in speeds:
         if not (math.isfinite(speed) and speed > 0.0):
@@ -97,27 +105,24 @@ def laying_report(
         x, y = laying.touchdown
         sideways = float(y * along[0] - x * along[1])
         lays.append(LaidCable(speed, -float(laying.touchdown @ along), sideways, angle, payout, laying))
-
-    def panels(side: Axes, top: Axes) -> None:
-        ways = [(laid.laying.shape[:, :2] + laid.laying.touchdown) @ np.column_stack((along, across)) for laid in lays]
-        views = [
-            SideView(f"{laid.speed:g} m/s", way[:, 0], laid.laying.shape[:, 2])
-            for laid, way in zip(lays, ways, strict=True)
-        ]
-        draw_sides(side, views, legend="ship", along="along the course from the ship [m]", depth=depth)
-        for way in ways:
-            (line,) = top.plot(*way.T)
-            top.plot(*way[0], "o", color=line.get_color())
-        top.plot(0.0, 0.0, "r^", markersize=8.0, label="ship")
-        words = {"ylabel": "to port of the course [m]", "title": "touchdown from above"}
-        top.set(xlabel="along the course from the ship [m]", **words)
-        top.legend(loc="best", fontsize="small")
-        extent = 0.1 * max(laid.behind for laid in lays)
-        low, high = top.get_ylim()
-        top.set_ylim(min(low, -extent), max(high, extent))
-
+    ways = [laid.way(along) for laid in lays]
+    sides = [(f"{laid.speed:g} m/s", laid.laying.shape[:, 2]) for laid in lays]
+    views = [SideView(name, way[:, 0], height) for way, (name, height) in zip(ways, sides, strict=True)]
     return CasesReport(
         *(LAYS, "lays", tuple(lays), {"depth_m": depth, "course_deg": math.degrees(course)}),
         largest_tension=max(laid.laying.tension for laid in lays),
-        panels=panels,
+        side=Sides(views, "ship", ALONG, depth).draw,
+        other=partial(_draw_from_above, ways, 0.1 * max(laid.behind for laid in lays)),
     )
+
+
+def _draw_from_above(ways: Sequence[Array], extent: float, axis: Axes) -> None:
+    """Draw the `ways` of the cables from touchdown to ship, on at least an `extent` [m] to both sides."""
+    for way in ways:
+        (line,) = axis.plot(*way.T)
+        axis.plot(*way[0], "o", color=line.get_color())
+    axis.plot(0.0, 0.0, "r^", markersize=8.0, label="ship")
+    axis.set(xlabel=ALONG, ylabel="to port of the course [m]", title="touchdown from above")
+    axis.legend(loc="best", fontsize="small")
+    low, high = axis.get_ylim()
+    axis.set_ylim(min(low, -extent), max(high, extent))

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from functools import partial
+from typing import Any
 
 import numpy as np
 from cable_sim_node.parameters import CableSimParameters
@@ -14,13 +15,10 @@ from heave_node.numerics.arrays import Array
 from heave_node.sheet import Column, Sheet
 
 from heave_statics.problems import mooring_cable, submerged_cable
-from heave_statics.reports.cases import CasesReport, SideView, draw_curves, draw_sides, unit_vector
+from heave_statics.reports.cases import CasesReport, Sides, SideView, draw_curves, unit_vector
 from heave_statics.shape import StaticShape
 from heave_statics.suspended import shape_at_rest
-from heave_statics.system import PointLoad, StaticCable
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
+from heave_statics.system import PointLoad
 
 LIES_BELOW = 1e-3
 """A cable that comes further below its lower end than this [m] would lie on the bottom."""
@@ -48,6 +46,9 @@ CABLES = Sheet(
     Column("", "below", "below_anchor_m"),
 )
 """Columns of a moored cable at each place of the ship."""
+
+FORCES = {"horizontal pull": "pull", "top tension": "shape.top_tension", "bottom tension": "anchor_tension"}
+"""Forces that are drawn."""
 
 
 def mooring_report(
@@ -78,35 +79,19 @@ def mooring_report(
         where there is no such equilibrium.
     """
     along = unit_vector(direction)
-    anchor, current = np.array([0.0, 0.0, -depth]), current_of(parameters)
-
-    def at_offset(offset: float) -> Callable[[StaticCable], StaticShape]:
-        tip = np.array([*(offset * along), boom_tip_height])
-        return lambda line: submerged_cable(line, anchor, tip, current)
-
-    def under_pull(pull: float) -> Callable[[StaticCable], StaticShape]:
-        return lambda line: mooring_cable(line, anchor, boom_tip_height, pull * along, current)
-
-    solvers = [*(at_offset(offset) for offset in offsets), *(under_pull(pull) for pull in pulls)]
-    shapes = [shape_at_rest(parameters, solve, PointLoad(0.0)) for solve in solvers]
-    cables = tuple(_moored(shape, along) for shape in shapes)
-
-    def panels(side: Axes, curves: Axes) -> None:
-        drawn = [(f"{cable.offset:.1f} m", cable.shape.curve()) for cable in cables]
-        views = [SideView(name, curve[:, :2] @ along, curve[:, 2]) for name, curve in drawn]
-        draw_sides(side, views, legend="offset", along="from the lower end [m]", depth=depth)
-        forces = {
-            "horizontal pull": [cable.pull / 1e3 for cable in cables],
-            "top tension": [cable.shape.top_tension / 1e3 for cable in cables],
-            "bottom tension": [cable.anchor_tension / 1e3 for cable in cables],
-        }
-        words = {"xlabel": "offset of the boom tip [m]", "ylabel": "[kN]", "title": "forces of the cable"}
-        draw_curves(curves, [cable.offset for cable in cables], forces, **words)
-
+    at: dict[str, Any] = {"start": np.array([0.0, 0.0, -depth]), "current": current_of(parameters)}
+    tips = [np.array([*(offset * along), boom_tip_height]) for offset in offsets]
+    solvers = [partial(submerged_cable, end=tip, **at) for tip in tips]
+    solvers += [partial(mooring_cable, height=boom_tip_height, horizontal_force=pull * along, **at) for pull in pulls]
+    cables = tuple(_moored(shape_at_rest(parameters, solve, PointLoad(0.0)), along) for solve in solvers)
+    drawn = [(f"{cable.offset:.1f} m", cable.shape.curve()) for cable in cables]
+    views = [SideView(name, curve[:, :2] @ along, curve[:, 2]) for name, curve in drawn]
+    words = {"xlabel": "offset of the boom tip [m]", "ylabel": "[kN]", "title": "forces of the cable"}
     return CasesReport(
         *(CABLES, "cables", cables, {"depth_m": depth, "direction_deg": math.degrees(direction)}),
         largest_tension=max(cable.shape.top_tension for cable in cables),
-        panels=panels,
+        side=Sides(views, "offset", "from the lower end [m]", depth).draw,
+        other=partial(draw_curves, cables, "offset", FORCES, words, 1e-3),
         notes=tuple(
             f"offset {cable.offset:.2f} m: the cable sags {cable.below:.2f} m below its lower end; the seabed it "
             "would lie on is not modelled"

@@ -16,6 +16,7 @@ import math
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -108,7 +109,8 @@ def network_report(parameters: CableSimParameters, path: Path, boom_tip: tuple[f
     return CasesReport(
         *(CABLES, "cables", lines, {"points_m": {name: place.tolist() for name, place in places.items()}}),
         largest_tension=max(at_tip, default=float("nan")),
-        panels=lambda side, top: _draw(lines, places, side, top),
+        side=partial(_draw, lines, places, 2, "from the side"),
+        other=partial(_draw, lines, places, 1, "from above"),
         unit_load=max(at_unit, default=float("nan")),
         notes=("", *(f"{name}: {x:.3f}, {y:.3f}, {z:.3f} m" for name, (x, y, z) in places.items())),
     )
@@ -172,15 +174,15 @@ def _rope(parameters: CableSimParameters, values: Mapping[str, Any], where: str)
     )
 
 
-def _draw(lines: tuple[NetworkLine, ...], places: Mapping[str, Any], side: Axes, top: Axes) -> None:
-    """Draw the network from the side and from above."""
-    for axis, up, title in ((side, 2, "from the side"), (top, 1, "from above")):
-        for line in lines:
-            curve = line.shape.curve()
-            axis.plot(curve[:, 0], curve[:, up], label=line.name)
-        for name, place in places.items():
-            axis.plot(place[0], place[up], "ko", markersize=3.0)
-            axis.annotate(name, (place[0], place[up]), fontsize="small")
-        axis.set(xlabel="x [m]", ylabel=f"{'xyz'[up]} [m]", title=title)
-    side.axhline(0.0, color="tab:blue", linewidth=0.8, alpha=0.5)
-    side.legend(fontsize="small")
+def _draw(lines: tuple[NetworkLine, ...], places: Mapping[str, Any], up: int, title: str, axis: Axes) -> None:
+    """Draw the network over x, with the coordinate `up`, into an `axis` with a `title`."""
+    for line in lines:
+        curve = line.shape.curve()
+        axis.plot(curve[:, 0], curve[:, up], label=line.name)
+    for name, place in places.items():
+        axis.plot(place[0], place[up], "ko", markersize=3.0)
+        axis.annotate(name, (place[0], place[up]), fontsize="small")
+    axis.set(xlabel="x [m]", ylabel=f"{'xyz'[up]} [m]", title=title)
+    if up == 2:
+        axis.axhline(0.0, color="tab:blue", linewidth=0.8, alpha=0.5)
+        axis.legend(fontsize="small")

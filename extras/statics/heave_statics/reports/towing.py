@@ -6,7 +6,6 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial
-from typing import TYPE_CHECKING
 
 import numpy as np
 from cable_sim_node.errors import StaticsError
@@ -18,12 +17,9 @@ from heave_node.sheet import Column, Sheet
 from numpy.typing import ArrayLike
 
 from heave_statics.problems import towing_cable
-from heave_statics.reports.cases import CasesReport, SideView, draw_curves, draw_sides, unit_vector
+from heave_statics.reports.cases import CasesReport, Sides, SideView, draw_curves, unit_vector
 from heave_statics.shape import StaticShape
 from heave_statics.suspended import shape_at_rest
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
 
 
 @dataclass(frozen=True)
@@ -82,17 +78,13 @@ def towing_report(
         sideways = float(offset[1] * along[0] - offset[0] * along[1])
         tows.append(TowedUnit(speed, -float(shape.positions[0, 2]), -float(offset[:2] @ along), sideways, shape))
 
-    def panels(side: Axes, curves: Axes) -> None:
-        shapes = [(f"{tow.speed:g} m/s", tow.shape.curve()) for tow in tows]
-        views = [SideView(name, (curve[:, :2] - tip[:2]) @ along, curve[:, 2]) for name, curve in shapes]
-        draw_sides(side, views, legend="ship", along="along the course from the boom tip [m]")
-        places = {"depth of the unit": [tow.depth for tow in tows], "layback": [tow.layback for tow in tows]}
-        words = {"xlabel": "speed of the ship [m/s]", "ylabel": "[m]", "title": "depth and layback"}
-        draw_curves(curves, [tow.speed for tow in tows], places, **words)
-
+    shapes = [(f"{tow.speed:g} m/s", tow.shape.curve()) for tow in tows]
+    views = [SideView(name, (curve[:, :2] - tip[:2]) @ along, curve[:, 2]) for name, curve in shapes]
+    words = {"xlabel": "speed of the ship [m/s]", "ylabel": "[m]", "title": "depth and layback"}
     return CasesReport(
         *(TOWS, "tows", tuple(tows), {"course_deg": math.degrees(course)}),
         largest_tension=max(tow.shape.top_tension for tow in tows),
-        panels=panels,
+        side=Sides(views, "ship", "along the course from the boom tip [m]").draw,
+        other=partial(draw_curves, tows, "speed", {"depth of the unit": "depth", "layback": "layback"}, words, 1.0),
         unit_load=max(float(np.linalg.norm(tow.shape.lower[0])) for tow in tows),
     )

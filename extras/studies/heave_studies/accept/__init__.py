@@ -1,1 +1,1 @@
-"""Acceptance tests: procedures of steps, each judged by criteria, against virtual or real parts, or on a record."""
+"""Acceptance tests: procedures of steps, each judged by criteria, against virtual or real parts."""

@@ -21,9 +21,6 @@ nominal winch's limit):
         event: {device: mru, fault: gap, at: 200 s, duration: 5 s}
         alarms: ["SENSOR_LOST, MRU"]
         wanted: {alarm_time_s: ["> 0", "<= 0.5"], recovery_time_s: "<= 30"}
-      - name: residual
-        record: {from: 100, to: 500}  # of a record this part is judged; a step may have this beside winch or run
-        wanted: {outlet_sigma_m: "<= 3 cm"}
 """
 
 from __future__ import annotations
@@ -74,10 +71,9 @@ class Step:
     name: str  # for people
     what: str  # for people
     wanted: tuple[Criterion, ...]  # criteria, all of which it must meet
-    test: WinchTest | RunTest | None  # what is done; None: it can be judged on a record alone
+    test: WinchTest | RunTest  # what is done
     event: Event | None = None  # what happens during it; None: nothing
     alarms: tuple[str, ...] = ()  # codes of which one must come after the event
-    window: tuple[float, float] = (0.0, math.inf)  # of a record that is judged [s] from its start
 
     @property
     def slug(self) -> str:
@@ -101,7 +97,7 @@ class Procedure:
 
 _AMOUNT = re.compile(r"\s*([-+]?[\d.]+(?:[eE][-+]?\d+)?)\s*(\S.*?)?\s*")
 _KEYS = {"title", "scenario", "set", "signatures", "steps", "description"}
-_STEP_KEYS = {"name", "what", "winch", "run", "record", "event", "alarms", "wanted"}
+_STEP_KEYS = {"name", "what", "winch", "run", "event", "alarms", "wanted"}
 _RUN_KEYS = {"scenario", "set", "duration", "transient", "seed"}
 _EVENT_KEYS = {"device", "fault", "at", "duration", "magnitude", "ask"}
 
@@ -168,20 +164,14 @@ def _step(entry: Any, where: str, limits: Limits) -> Step:
     refuse_keys(entry, _STEP_KEYS, where)
     if not entry.get("name") or not entry.get("wanted"):
         raise ParameterError(f"{where}: {'wanted' if entry.get('name') else 'name'} is missing")
-    if "winch" in entry and "run" in entry:
-        raise ParameterError(f"{where}: is a test of a winch or a run, not both")
-    test: WinchTest | RunTest | None = None
+    if ("winch" in entry) == ("run" in entry):
+        raise ParameterError(f"{where}: is a test of a winch or a run: give one of them")
+    test: WinchTest | RunTest
     if "winch" in entry:
         test = _winch_test(as_mapping(entry["winch"], f"{where}: winch"), f"{where}: winch", limits)
-    elif "run" in entry:
+    else:
         test = _run_test(as_mapping(entry["run"] or {}, f"{where}: run"), f"{where}: run")
     event = _event(entry["event"], f"{where}: event", test) if "event" in entry else None
-    record = as_mapping(entry.get("record") or {}, f"{where}: record")
-    refuse_keys(record, {"from", "to"}, f"{where}: record")
-    window = tuple(amount(record.get(name, least), "time", f"{where}: record: {name}")
-                   for name, least in (("from", 0.0), ("to", math.inf)))  # fmt: skip
-    if not 0.0 <= window[0] < window[1]:
-        raise ParameterError(f"{where}: record: from {window[0]:g} s to {window[1]:g} s is no time")
     return Step(
         str(entry["name"]),
         str(entry.get("what", "")),
@@ -189,7 +179,6 @@ def _step(entry: Any, where: str, limits: Limits) -> Step:
         test,
         event,
         _alarms(entry.get("alarms") or [], where, event),
-        (window[0], window[1]),
     )
 
 
@@ -250,7 +239,7 @@ def _run_test(entry: Mapping[str, Any], where: str) -> RunTest:
     return RunTest(str(entry.get("scenario", "")), settings, times.get("duration"), times.get("transient"), seed)
 
 
-def _event(entry: Any, where: str, test: WinchTest | RunTest | None) -> Event:
+def _event(entry: Any, where: str, test: WinchTest | RunTest) -> Event:
     entry = as_mapping(entry, where)
     refuse_keys(entry, _EVENT_KEYS, where)
     device, fault = entry.get("device", "winch"), entry.get("fault")

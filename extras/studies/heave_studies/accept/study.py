@@ -1,4 +1,4 @@
-"""An acceptance test as a study: each step is run, or judged on a record, and leaves its files in the folder."""
+"""An acceptance test as a study: each step is run, and leaves its files in the folder."""
 
 from __future__ import annotations
 
@@ -12,7 +12,6 @@ from contextlib import ExitStack
 from dataclasses import asdict, dataclass, field, replace
 from functools import partial
 from pathlib import Path
-from types import MappingProxyType
 
 import pandas
 from heave_bags.analyse.verdict import FAILED, PASSED, Judged, required_words
@@ -38,8 +37,8 @@ from heave_node.scenario import sections_text
 from heave_studies.accept import measured as figures
 from heave_studies.accept.measured import RESIDUALS, Measured, Nominal, of_winch
 from heave_studies.accept.procedure import Head, Procedure, RunTest, Step, read_procedure, refuse_late
-from heave_studies.accept.runs import ForeignRecord, run_loop, scenario_of
-from heave_studies.study.case_file import CASE, FILES, SCENARIO, ReadFile, digest_of
+from heave_studies.accept.runs import run_loop, scenario_of
+from heave_studies.study.case_file import CASE, SCENARIO, digest_of
 from heave_studies.study.workers import FAILURE, Job, Plain
 
 NOT_DONE = "not done"
@@ -157,8 +156,6 @@ def _drawn(
     return Figure(title, caption, lines, layout, height=260, is_over_time=False)
 
 
-WHOLE = ""
-"""Name of the record that is judged by every step that has none of its own."""
 DETAIL = "detail"
 """Column with all that a step gave, as JSON, in its first row."""
 
@@ -169,9 +166,6 @@ class Parts:
 
     winch: DeviceMap | None = None  # map of a real winch; None: the virtual one of the scenario
     external: tuple[str, ...] = ()  # real parts in runs, as `external_settings` takes them
-    # by name of the step, or WHOLE; where there is one nothing is run
-    records: Mapping[str, Path] = field(default_factory=dict)
-    mapping: Path | None = None  # of the records; None: they are the suite's own
     is_on_network: bool = False  # nodes on other hosts may join
 
     @property
@@ -184,10 +178,6 @@ class Parts:
         """What is tested, by name."""
         winch = f"real, by map {self.winch.name}" if self.winch else "virtual"
         replaced = {"real in runs": ", ".join(self.external)} if self.external else {}
-        if self.records:
-            return {
-                f"record {name}".strip(): f"{path}, SHA-256 {digest_of(path)}" for name, path in self.records.items()
-            }
         return {"winch": winch, **replaced}
 
 
@@ -209,13 +199,11 @@ class Acceptance:
     nominal : the winch as it should be
     facts : what identifies the test, by name
 
-    Raises ParameterError, in one line, for what is wrong with the procedure, its scenarios or the records and their
-    map, before anything is run.
+    Raises ParameterError, in one line, for what is wrong with the procedure or its scenarios, before anything is run.
     """
 
     is_local = True
     is_open = False
-    files: Mapping[str, ReadFile] = MappingProxyType({})
 
     def __init__(
         self, head: Head, parts: Parts, settings: Sequence[str], scenario: str, only: Sequence[str], folder: Path
@@ -229,9 +217,8 @@ class Acceptance:
         procedure = read_procedure(head, _limits_of(self._scenario))
         given = {text.partition("=")[0]: parse_setting(text).value for text in settings}
         names = [step.name for step in procedure.steps]
-        for what, named in (("step", only), ("record", [name for name in parts.records if name != WHOLE])):
-            if wrong := next((name for name in named if name not in names), ""):
-                raise ParameterError(f"{where}: ask: {what}: no such step: {wrong}; steps: {', '.join(names)}")
+        if wrong := next((name for name in only if name not in names), ""):
+            raise ParameterError(f"{where}: ask: step: no such step: {wrong}; steps: {', '.join(names)}")
         self.procedure = replace(
             procedure,
             scenario=scenario or procedure.scenario,
@@ -239,12 +226,8 @@ class Acceptance:
             steps=tuple(step for step in procedure.steps if not only or step.name in only),
         )
         self._parts, self._folder = parts, folder
-        try:
-            self._records = {name: ForeignRecord(path, parts.mapping) for name, path in parts.records.items()}
-        except BagError as error:
-            raise ParameterError(str(error)) from error
         for step in procedure.steps:
-            if isinstance(step.test, RunTest) and not parts.records:
+            if isinstance(step.test, RunTest):
                 refuse_late(step.event, self._loop(step, step.test).run.duration, f"{where}: {step.name}: event")
         self._text = sections_text(stored_sections(self._scenario), title=stored_title(self._scenario))
         self.facts = {**parts.words, **facts_of(self.procedure, self._text)}
@@ -286,12 +269,12 @@ class Acceptance:
         columns = ["step", "state", "figure", "required", "reached", "verdict", "against", DETAIL]
         frame = pandas.DataFrame(rows, columns=columns)
         frame.insert(0, CASE, range(1, len(frame) + 1))
-        return frame.assign(**{SCENARIO: "", FILES: ""})
+        return frame.assign(**{SCENARIO: ""})
 
     def _real_winch(self, stack: ExitStack, steps: Sequence[Step]) -> WinchPart | None:
         """Open the real winch, where there is one and a step that moves it."""
         needed = any(isinstance(step.test, WinchTest) for step in steps)
-        if self._parts.winch is None or not needed or self._parts.records:
+        if self._parts.winch is None or not needed:
             return None
         from heave_devices.bench.real_winch import real_winch  # noqa: PLC0415 - starts ROS
 
@@ -303,25 +286,15 @@ class Acceptance:
 
     def _result(self, step: Step, folder: Path, winch: WinchPart | None) -> StepResult:
         try:
-            if self._parts.records:
-                return self._on_record(step)
             if isinstance(step.test, WinchTest):
                 return self._on_winch(step, step.test, folder, winch)
-            if isinstance(step.test, RunTest):
-                return self._in_a_run(step, step.test, folder)
-            return StepResult(step, failure="it can be judged on a record alone: --ask record=FILE")
+            return self._in_a_run(step, step.test, folder)
         except (CommandError, BagError) as error:
             if str(error).startswith("interrupted"):
                 raise KeyboardInterrupt from None
             if str(error) == ANOTHER_RUN:
                 raise
             return StepResult(step, failure=str(error))
-
-    def _on_record(self, step: Step) -> StepResult:
-        name = step.name if step.name in self._records else WHOLE
-        if name not in self._records:
-            return StepResult(step, failure="there is no record of it")
-        return _judged(step, self._records[name].measured(step, self.nominal), self._parts.records[name], "record")
 
     def _on_winch(self, step: Step, test: WinchTest, folder: Path, real: WinchPart | None) -> StepResult:
         part = real or VirtualPart(self._scenario.parameters["virtual_winch"], test.load)
@@ -345,7 +318,7 @@ class Acceptance:
 def _label(step: Step) -> str:
     """Return what a step does, in a line."""
     signal = getattr(step.test, "signal", None)
-    does = signal.words if signal else "a run" if step.test else "a record"
+    does = signal.words if signal else "a run"
     return f"{step.name}: {does}{f'; {step.event.words}' if step.event else ''}"
 
 

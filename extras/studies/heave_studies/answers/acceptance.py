@@ -21,11 +21,9 @@ from heave_studies.accept.study import DETAIL, NOT_DONE, Acceptance
 from heave_studies.answers.answer import Found, Page, Section
 from heave_studies.study.workers import FAILURE
 
-KEYS: Mapping[str, object] = MappingProxyType(
-    {"step": [], "winch": None, "replace": [], "record": None, "map": None, "network": False}
-)
-"""Steps to be run; the map of a real winch, which WILL MOVE; real parts in runs (NODE=external); a bag or log that is
-judged in the place of runs, or one for each step ({STEP: FILE}), and its map; whether nodes on other hosts may join.
+KEYS: Mapping[str, object] = MappingProxyType({"step": [], "winch": None, "replace": [], "network": False})
+"""Steps to be run; the map of a real winch, which WILL MOVE; real parts in runs (NODE=external); whether nodes on other
+hosts may join.
 """
 FOOTER = (
     "Figures are of the time that is judged. Outlet: what the winch leaves of the boom tip's heave. Residuals are "

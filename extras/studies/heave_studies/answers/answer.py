@@ -32,7 +32,7 @@ ANSWERS = {
     "cases": "every case, a summary with confidence intervals, and which parameters matter",
     "limits": "the largest sea in which the criteria are met",
     "lift": "the same for each phase of a lift, compared with a forecast",
-    "sizing": "what a larger winch is worth, and what it costs",
+    "sizing": "what a larger winch is worth, and what an hour asks of it",
     "extremes": "the largest motion and tension expected in a number of hours",
 }
 """Answers by name, each a module of this folder, with what it says."""

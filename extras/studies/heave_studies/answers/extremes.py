@@ -23,6 +23,7 @@ from heave_node.sheet import Column, Sheet
 
 from heave_studies.answers.answer import Ask, Found, Section, first_scenario, number_in
 from heave_studies.study.plan import Study
+from heave_studies.study.summary import CONFIDENCE
 from heave_studies.study.table import SEED, settings_of
 from heave_studies.study.workers import FAILURE, optional
 
@@ -34,8 +35,6 @@ FEWEST_SEEDS, MANY_SEEDS = 5, 20
 """Seeds of a sea from which its extremes are estimated, and from which on a fit is not to be taken with caution."""
 LARGEST_EXTENSION = 20.0
 """Time that is extrapolated to, over that of all seeds, beyond which caution is due."""
-CONFIDENCE = 0.9
-"""Two-sided."""
 FLAT = 1e-9
 """Largest value [SI] of what does not move: nothing is fitted to it."""
 QUANTITIES = (

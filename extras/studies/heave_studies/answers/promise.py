@@ -8,11 +8,10 @@ from types import MappingProxyType
 
 import numpy as np
 import pandas
-from heave_node.parameters import ParameterError
 
-from heave_studies.answers.answer import Ask, Found, Section, as_path
+from heave_studies.answers.answer import Found, Section
 from heave_studies.promise.study import Promise
-from heave_studies.study.case_file import CASE, read_cases
+from heave_studies.study.case_file import CASE
 from heave_studies.study.summary import wilson
 from heave_studies.study.workers import FAILURE
 
@@ -158,27 +157,18 @@ def ablation_rows(frame: pandas.DataFrame) -> tuple[list[str], list[list[str]]]:
     return head, rows
 
 
-KEYS: Mapping[str, object] = MappingProxyType({"seed": None, "only": None, "without": None, "against": None})
-"""Seed of the draws (none: of the day), numbers of single draws, parts that are switched off one at a time (or all),
-and a table of the same draws to compare with.
-"""
+KEYS: Mapping[str, object] = MappingProxyType({"seed": None, "only": None, "without": None})
+"""Seed of the draws (none: of the day), numbers of single draws, parts that are switched off one at a time (or all)."""
 FOOTER = (
     "Each draw is 390 s. The worst minute begins 30 s after compensation did. 30 s after a fault begins or ends, and a "
     "requested stop, are not judged. A draw that was never judged left the load as it was."
 )
 SHOWN = 8
-"""Worst draws, and draws that changed most, that are listed."""
+"""Worst draws that are listed."""
 
 
-def answer(kind: Promise, ask: Ask, frame: pandas.DataFrame) -> Found:
-    """Return the answer that the table of the draws gives.
-
-    Parameters
-    ----------
-    kind : of the study
-    ask : every one of KEYS
-    frame : its table
-    """
+def answer(kind: Promise, frame: pandas.DataFrame) -> Found:
+    """Return the answer that the table of the draws, the `frame` of a study of this `kind`, gives."""
     whole = frame[frame["without"] == ""]
     found = {"all": figures_of(whole), **{str(law): figures_of(part) for law, part in whole.groupby("law")}}
     breaches = broken(kind.kind, found["all"])
@@ -195,8 +185,6 @@ def answer(kind: Promise, ask: Ask, frame: pandas.DataFrame) -> Found:
         tables.append((title, ["case", "why", "draw"], cells))
     if kind.without:
         tables.append(("What each part saves", *ablation_rows(frame)))
-    if (path := as_path(ask["against"])) is not None:
-        tables.append((f"Against {path}", ["draw", "before", "now"], _against(path, whole)))
     verdict = f"verdict: {'FAILED' if breaches else 'passed'}: {'; '.join(breaches) or 'the promise is kept'}"
     sections = [
         Section(title, head, cells, texts=1 + ("why" in head), last_is_text="draw" in head[1:])
@@ -210,12 +198,3 @@ def answer(kind: Promise, ask: Ask, frame: pandas.DataFrame) -> Found:
 def _promised(kind: Promise) -> list[list[str]]:
     promised = PROMISED.get(kind.kind, PROMISED[""])
     return [[f"{limit:g} times winch locked", f"{100 * share:g}"] for limit, share in promised.items()]
-
-
-def _against(path: str | object, whole: pandas.DataFrame) -> list[list[str]]:
-    """Return the draws that changed most since the table at a `path`."""
-    before, _ = read_cases(path)  # type: ignore[arg-type]
-    if "worst" not in before or set(before["seed"]) != set(whole["seed"]) or set(before["kind"]) != set(whole["kind"]):
-        raise ParameterError(f"ask: against: {path}: is of other draws")
-    pairs = changes(before[before["without"] == ""], whole).head(SHOWN)
-    return [[str(index), f"{row['before']:.3f}", f"{row['now']:.3f}"] for index, row in pairs.iterrows()]

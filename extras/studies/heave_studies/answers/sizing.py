@@ -1,16 +1,15 @@
-"""Which winch: what a larger one gains in workable seas, where more gains little, and what an hour of each costs."""
+"""Which winch: what a larger one gains in workable seas, where more gains little, and what an hour asks of each."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, replace
+from dataclasses import replace
 from types import MappingProxyType
 
 import pandas
 from cable_sim_node.vertical.axial_line import axial_line
 from heave_node.kpi import RATED_SHARE
 from heave_node.loads.cycles import DAMAGE_EXPONENT, LEAST_RANGE
-from heave_node.parameters import ParameterError
 
 from heave_studies.answers.answer import (
     Ask,
@@ -20,9 +19,7 @@ from heave_studies.answers.answer import (
     criteria_of,
     criteria_section,
     first_scenario,
-    number_in,
 )
-from heave_studies.operability.limits import FEWEST_SEEDS
 from heave_studies.sizing import (
     ABILITY,
     BUYERS,
@@ -31,7 +28,6 @@ from heave_studies.sizing import (
     KNEES,
     OF_THE_WINCH,
     PARTICULARS,
-    Prices,
     Sized,
     as_link,
     candidates,
@@ -42,12 +38,11 @@ from heave_studies.sizing import (
     sweep_figure,
 )
 from heave_studies.study.plan import Study
+from heave_studies.study.summary import FEWEST_SEEDS
 from heave_studies.study.workers import FAILURE
 
-KEYS: Mapping[str, object] = MappingProxyType(
-    {**dict.fromkeys((one.name for one in PARTICULARS), None), **asdict(Prices())}
-)
-"""Values to be tried of each particular (SI; none: shares of the scenario's), prices."""
+KEYS: Mapping[str, object] = MappingProxyType(dict.fromkeys((one.name for one in PARTICULARS), None))
+"""Values to be tried of each particular (SI; none: shares of the scenario's)."""
 
 FOOTER = f"""Workable: within the largest sea in which the criteria hold, a mean over the seeds, linear between the seas
 that were run. An hour's figures are means over the workable seas of each winch, so that a winch which works in higher
@@ -61,7 +56,6 @@ Sec.2). Above half rating: more than {100 * RATED_SHARE:g} % of the winch's spee
 def prepare(study: Study, ask: Ask, /) -> Study:
     """See `heave_studies.answers.answer.Answer`: adds the winches that are tried."""
     check_seas(study, OF_THE_WINCH)
-    _prices(ask)
     parameters = first_scenario(study).parameters
     winch, plant = parameters["virtual_winch"], parameters["cable_sim"]
     static_tension = axial_line(plant, plant.boom_tip_height).static_top_tension(plant.length)
@@ -73,33 +67,18 @@ def _values(given: object) -> list[float] | None:
     return None if given is None else [float(str(one)) for one in (given if isinstance(given, list) else [given])]
 
 
-def _prices(ask: Ask) -> Prices:
-    prices = Prices(**{name: number_in(ask, name) for name in asdict(Prices())})
-    for name, least in (("efficiency", 1e-3), ("regeneration", 0.0)):
-        if not least <= getattr(prices, name) <= 1.0:
-            raise ParameterError(f"ask: {name} = {getattr(prices, name):g}: must be a share, from {least:g} to 1")
-    if not 0.0 <= prices.energy < float("inf"):
-        raise ParameterError(f"ask: energy = {prices.energy:g}: must be a number of at least 0")
-    return prices
-
-
-def answer(study: Study, frame: pandas.DataFrame, ask: Ask, /) -> Found:
+def answer(study: Study, frame: pandas.DataFrame, _: Ask, /) -> Found:
     """See `heave_studies.answers.answer.Answer`."""
-    prices = _prices(ask)
     criteria = criteria_of(study, OF_THE_WINCH)
     seas = even_seas(frame)
-    found = size_winches(frame, criteria[""], seas, prices)
+    found = size_winches(frame, criteria[""], seas)
     answers = knees(found)
     knee = f"The knee gives {100 * ENOUGH:g} % of what the best of its sweep gives, all else as the scenario has it."
-    charged = (
-        f"Drive efficiency {prices.efficiency:g}, {100 * prices.regeneration:g} % of the regenerated energy used, "
-        f"{prices.energy:g} for a kWh. Means over the workable seas."
-    )
     sections = [
         Section(notices=_notices(found), in_terminal=False),
         Section("Answer", KNEES.headings, KNEES.cells(answers), words=[f"Seas: {seas.name}. {knee}"]),
         Section("Winches", ABILITY.headings, ABILITY.cells(found)),
-        Section("An hour of compensation", DUTY.headings, DUTY.cells(found), words=[charged]),
+        Section("An hour of compensation", DUTY.headings, DUTY.cells(found), words=["Means over the workable seas."]),
         criteria_section(criteria),
         Section(
             "What each particular is worth", figures=[sweep_figure(found, one) for one in answers], in_terminal=False
@@ -107,7 +86,6 @@ def answer(study: Study, frame: pandas.DataFrame, ask: Ask, /) -> Found:
     ]
     data = {
         "seas": seas.name,
-        "prices": asdict(prices),
         "knees": {one.particular.name: {"value": one.value, "is_open": one.is_open} for one in answers},
         "winches": BUYERS.records(found),
     }

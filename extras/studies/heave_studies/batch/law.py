@@ -35,13 +35,13 @@ COVERED: Mapping[str, tuple[str, ...]] = {
     "wave_vessel": (
         *("significant_wave_height", "peak_period", "spectrum", "peak_enhancement", "shape", "swell.", "spreading."),
         *("components", "direction", "ramp", "boom_tip_height", "vessel.", "course.heading", "course.speed", "filter."),
-        *("spectrum_file", "spectrum_record", "spectrum_time", "accept_implausible", "estimate.", "preview.noise"),
+        *("spectrum_file", "spectrum_time", "accept_implausible", "preview.noise"),
         *("mru.rate", "mru.noise", "mru.rate_noise", "mru.wander", "mru.resolution", "mru.rate_resolution"),
-        *("mru.high_pass_period", "mru.high_pass_damping", "mru.scale_error", "mru.latency"),
+        *("mru.high_pass_period", "mru.scale_error", "mru.latency"),
     ),
     "cable_sim": (
         *("length", "segments", "current", "current_profile.", "water_density", "gravity", "surface", "cable."),
-        *("unit.", "seabed.", "solver.", "boom_tip_height", "linear.", "sensors.depth.rate", "sensors.depth.latency"),
+        *("unit.", "seabed.", "boom_tip_height", "linear.", "sensors.depth.rate", "sensors.depth.latency"),
         *("sensors.depth.noise", "sensors.velocity.", "sensors.imu.", "sensors.usbl.", "sensors.load_cell."),
     ),
     "virtual_winch": (

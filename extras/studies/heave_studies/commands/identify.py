@@ -100,15 +100,14 @@ def _load_in_bag(path: Path, settings: Sequence[str]) -> LoadIdentification:
     from dataclasses import replace
 
     from heave_bags.mcap.reader import Bag
-    from heave_bringup.scenarios import load_scenario
 
+    from heave_studies.kappa import stored_scenario
     from heave_studies.reverse import identify_load
     from heave_studies.whatif.fitness import check_record
-    from heave_studies.whatif.record import read_record, stored_scenario
+    from heave_studies.whatif.record import read_record
 
     bag = Bag(path)
-    with stored_scenario(bag) as scenario:
-        nominal = load_scenario(str(scenario), settings=settings, needs_files=False).parameters["winch_controller"]
+    nominal = stored_scenario(bag, settings).parameters["winch_controller"]
     record = read_record(bag, nominal)
     # an operator's requests and modes move the winch, which is measured
     check_record(replace(record, operated=math.inf, modes=()), float(record.time[0]), str(path))

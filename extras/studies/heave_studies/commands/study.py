@@ -40,7 +40,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--case",
         metavar="FILE.parquet:CASE",
-        help="write one case of a table as a scenario, with the input files that it needs, to run it over ROS",
+        help="write one case of a table as a scenario, to run it over ROS",
     )
     parser.add_argument(
         "--vary",
@@ -129,7 +129,7 @@ def _run(options: argparse.Namespace) -> None:
         return
     folder = opened.folder
     frame, about = run_study(opened.kind, folder, processes=options.processes, dask=options.dask)
-    unseen = [name for name in ("scenario", "files", "detail") if name in frame]
+    unseen = [name for name in ("scenario", "detail") if name in frame]
     frame.drop(columns=unseen).to_csv(folder / CSV, index=False)
     found = opened.answer(frame)
     page = render(opened.kind.name, opened.lead, opened.lift, found, frame, folder / TABLE, {**about, **opened.facts})
@@ -200,12 +200,11 @@ def _show(options: argparse.Namespace) -> None:
 
 def _write_case(options: argparse.Namespace) -> None:
     """Write the scenario of the case that `options` name, and print the line that runs it."""
-    from heave_bringup.output import check_output, warn, write_result
+    from heave_bringup.output import check_output, write_result
 
     from heave_studies.study.case_file import write_case
 
     check_output("--output", options.output, (".yaml",))
-    path, reported = write_case(options.case, options.output)
-    warn(reported)
+    path = write_case(options.case, options.output)
     line = f"heave run {shlex.quote(str(path))}"
     write_result(options, f"{path} is case {options.case}\nnext: {line}", {"scenario": str(path), "next": line})

@@ -16,12 +16,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("bag", metavar="BAG", type=Path, help="bag folder or run folder")
     parser.add_argument("--law", default="", metavar="LAW,LAW", help="laws to predict (default: the recorded one)")
     add_settings(parser)
-    parser.add_argument(
-        "--scenario", metavar="SCENARIO", help="scenario of the run, for a bag that does not contain one"
-    )
-    parser.add_argument(
-        "--transient", type=float, metavar="S", help="initial time to exclude (default: the scenario's)"
-    )
     parser.add_argument("--end", type=float, metavar="S", help="ignore the bag after this time")
 
 
@@ -31,14 +25,13 @@ def execute(options: argparse.Namespace) -> None:
     from heave_bringup.output import make_table, warn, write_result
     from heave_bringup.progress import ProgressLine
 
-    from heave_studies.whatif.fitness import EXPERIMENTAL, headings, lines_before, rows, to_json
-    from heave_studies.whatif.question import Question, ask
+    from heave_studies.whatif.fitness import ANSWERS, EXPERIMENTAL, lines_before, to_json
+    from heave_studies.whatif.question import ask
 
     warn([EXPERIMENTAL])
-    laws = [one for one in options.law.split(",") if one]
-    question = Question(laws, options.set, options.scenario or "", options.transient, options.end)
     with ProgressLine() as progress:
-        result = ask(bag_of(options.bag), question, show=progress.show)
+        laws = list(filter(None, options.law.split(",")))
+        result = ask(bag_of(options.bag), laws, options.set, options.end, show=progress.show)
     warn(result.warnings)
-    table = make_table(headings(), rows(result))
+    table = make_table(ANSWERS.headings, ANSWERS.cells(result.rows))
     write_result(options, ["\n".join(lines_before(result)), table, "bands are of 90 %"], to_json(result))

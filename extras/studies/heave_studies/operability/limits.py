@@ -21,23 +21,18 @@ from heave_bags.analyse.kpi_set import DEFINITION_OF
 from heave_node.criteria import Criterion
 from heave_node.loads.strength import FACTORS, ROPE
 from heave_node.numerics.arrays import Array
-from scipy import stats
 
 from heave_studies.study.phases import DEPTH, PHASE
 from heave_studies.study.plan import Case, More
+from heave_studies.study.summary import FEWEST_SEEDS, half_width
 from heave_studies.study.table import BREACHES, LOST, SEED, alike, settings_of
 from heave_studies.study.workers import FAILURE
 
 HEIGHT, PERIOD = "system.sea.significant_wave_height", "system.sea.peak_period"
 """Places of what a sea is given by."""
 
-CONFIDENCE = 0.9
-"""Two-sided, of the interval about a mean limit."""
-
-FEWEST_SEEDS, USEFUL_SEEDS = 3, 5
-"""Seeds from which on a spread is stated, and from which on half its interval is at most the standard deviation of
-one seed's limit. Of two seeds Student's t has one degree of freedom: 4.5 standard deviations, which say nothing.
-"""
+USEFUL_SEEDS = 5
+"""Seeds from which on half the interval is at most the standard deviation of one seed's limit."""
 
 NARROW = 0.1
 """Width of a confidence interval [m] below which a limit is stated to the centimetre."""
@@ -117,7 +112,7 @@ def limit_curve(frame: pandas.DataFrame, criteria: Sequence[Criterion], *, locke
     for period, of_period in frame.groupby(PERIOD):
         found = [_least(of_seed, criteria, locked=locked) for _, of_seed in of_period.groupby(SEED)]
         heights = np.array([min(one.height, top) for one in found])
-        half = _half_width(heights)
+        half = half_width(heights)
         names = [one.governs for one in found if one.governs]
         rows.append(
             {
@@ -160,15 +155,6 @@ def interval(row: Mapping[Hashable, Any]) -> str:
     lower, upper = float(row["lower"]), float(row["upper"])
     digits = _digits(row)
     return f"{lower:.{digits}f} to {upper:.{digits}f}" if upper > lower and not row["is_below"] else "-"
-
-
-def _half_width(heights: Array) -> float:
-    """Return half the confidence interval of a mean; NaN for fewer than FEWEST_SEEDS values."""
-    count = heights.size
-    if count < FEWEST_SEEDS:
-        return math.nan
-    quantile = float(stats.t.ppf(0.5 + 0.5 * CONFIDENCE, count - 1))
-    return quantile * float(heights.std(ddof=1)) / math.sqrt(count)
 
 
 def too_few_seeds(curves: Sequence[pandas.DataFrame]) -> str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass
 from datetime import datetime, timezone
 from functools import partial
 from pathlib import Path
@@ -27,7 +27,7 @@ from winch_controller_node.core.supervision.watch.encoder_reflex import Act, Enc
 
 from heave_studies.promise.cases import KINDS, Case, draw
 from heave_studies.promise.run import run_case
-from heave_studies.study.case_file import CASE, FILES, SCENARIO, ReadFile
+from heave_studies.study.case_file import CASE, SCENARIO
 from heave_studies.study.cost import COST
 from heave_studies.study.workers import FAILURE, Job, Plain
 
@@ -130,7 +130,6 @@ class Promise:
     without: tuple[str, ...] = ()  # parts of the controller that are switched off, one at a time
     is_local: bool = False  # draws run anywhere
     is_open: bool = False  # each draw runs
-    files: Mapping[str, ReadFile] = field(default_factory=dict)  # none is read
 
     @property
     def identity(self) -> str:
@@ -163,7 +162,7 @@ class Promise:
             what = (*draw_of, part, "; ".join(case.deviations), case.words)
             alarms = json.dumps(found.pop("alarms", []))
             texts = {name: "; ".join(value) for name, value in found.items() if isinstance(value, list | tuple)}
-            text = {SCENARIO: found.pop(SCENARIO, ""), FILES: "", "detail": alarms}
+            text = {SCENARIO: found.pop(SCENARIO, ""), "detail": alarms}
             alarmed = {"alarmed": FLAGS[found.pop("is_alarmed", None)]}
             rows.append({CASE: number, **dict(zip(COLUMNS, what, strict=True)), **found, **texts, **alarmed, **text})
         return pandas.DataFrame(rows).astype({"worst": float})

@@ -8,6 +8,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property, partial
 from itertools import groupby
+from pathlib import Path
 
 import numpy as np
 import pandas
@@ -18,7 +19,7 @@ from heave_node.parameters import ParameterError
 
 from heave_studies.batch.lifts import LiftBatch
 from heave_studies.study import sampling
-from heave_studies.study.case_file import ReadFile, read_files
+from heave_studies.study.case_file import digest_of
 from heave_studies.study.cost import LIFTS, LOOP, START, Meter
 from heave_studies.study.engine import SETTLED
 from heave_studies.study.plan import Case, Study, unlinked
@@ -60,11 +61,6 @@ class Cases:
         """Whether there may be fewer: a refinement ends when it is done."""
         return self.study.refinement is not None
 
-    @cached_property
-    def files(self) -> Mapping[str, ReadFile]:
-        """Files that the cases read, by path."""
-        return read_files({path for task in self._first if not task.alike for path in named_files(task.scenario)})
-
     @property
     def identity(self) -> str:
         """What identifies the results: every value of every case, and the files that they read."""
@@ -72,8 +68,8 @@ class Cases:
         digest = hashlib.sha256(repr((of.search, of.draws, of.refinement, of.has_adviser, of.has_screening)).encode())
         for task in self._first:
             digest.update(task.values.encode())
-        for file in self.files.values():
-            digest.update(file.digest.encode())
+        for path in sorted({path for task in self._first if not task.alike for path in named_files(task.scenario)}):
+            digest.update(digest_of(Path(path)).encode())
         return digest.hexdigest()
 
     def rounds(self, results: Mapping[int, Plain]) -> Iterator[list[Job]]:
@@ -118,7 +114,7 @@ class Cases:
         """Return a row for each case, from their `results`."""
         known = screened_results(results)
         found = [result_of(task.case, known[task.case.number]) for task in self._tasks]
-        return case_frame(self._tasks, found, self.files)
+        return case_frame(self._tasks, found)
 
 
 def _job(task: Task) -> Job:

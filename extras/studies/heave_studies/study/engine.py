@@ -16,7 +16,7 @@ from heave_bags.record.provenance import git_commit, versions
 from heave_bringup.progress import ProgressLine, time_to_go
 from heave_node.parameters import ParameterError
 
-from heave_studies.study.case_file import ReadFile, check_can_write, keep_files, read_cases, write_cases
+from heave_studies.study.case_file import check_can_write, read_cases, write_cases
 from heave_studies.study.cost import write_cost
 from heave_studies.study.workers import FAILURE, Job, Plain, Run, workers
 
@@ -50,10 +50,6 @@ class Kind(Protocol):
     @property
     def is_local(self) -> bool:
         """Whether its jobs run one after the other, in the process of the command."""
-
-    @property
-    def files(self) -> Mapping[str, ReadFile]:
-        """Files that its jobs read, by path: copies are kept beside the table."""
 
     def rounds(self, results: Mapping[int, Plain]) -> Iterator[list[Job]]:
         """Yield its jobs; those of a later round may depend on the `results`, by number, of the rounds before."""
@@ -97,7 +93,6 @@ def run_study(
         with _saying_what_is_kept(journal, results), workers(processes, dask) as run:
             frame = _completed(kind, run, journal, results)
         write_cost(results, folder)
-        keep_files(kind.files.values(), folder)
         write_cases(frame, table, about)
         journal.remove()
     return read_cases(table)

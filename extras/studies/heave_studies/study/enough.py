@@ -10,15 +10,12 @@ import pandas
 from heave_bags.analyse.kpi_set import DEFINITION_OF
 from heave_node.criteria import parse_criterion
 from heave_node.parameters import Given, ParameterError
-from scipy import stats
 
 from heave_studies.study.plan import Case, More
-from heave_studies.study.summary import CONFIDENCE, wilson
+from heave_studies.study.summary import FEWEST_SEEDS, half_width, wilson
 from heave_studies.study.table import MET, SEED, alike
 from heave_studies.study.workers import FAILURE
 
-FEWEST = 3
-"""Seeds from which on a spread is trusted."""
 KEYS = {"figure", "width", "most"}
 
 
@@ -43,7 +40,7 @@ class Until:
             if excess > 1.0 and have < self.most:
                 missing = math.ceil(have * min(excess, 2.0) ** 2) - have
                 last = max(cases[row].seed for row in rows)
-                count = min(missing, max(have, FEWEST), self.most - have)
+                count = min(missing, max(have, FEWEST_SEEDS), self.most - have)
                 found += [(last + n, cases[rows[0]].settings) for n in range(1, count + 1)]
         return found
 
@@ -66,10 +63,9 @@ class Until:
             low, high = wilson(int(good[MET].sum()), len(good))
             return (high - low) / self.width
         values = good[self.figure].dropna().to_numpy(dtype=float)
-        if values.size < FEWEST:
+        if values.size < FEWEST_SEEDS:
             return math.inf
-        quantile = float(stats.t.ppf(0.5 + 0.5 * CONFIDENCE, values.size - 1))
-        width = 2.0 * quantile * float(values.std(ddof=1)) / math.sqrt(values.size)
+        width = 2.0 * half_width(values)
         wanted = self.width * (abs(float(values.mean())) if self.is_relative else 1.0)
         return width / wanted if wanted > 0.0 else math.inf if width else 0.0
 
@@ -79,8 +75,8 @@ def read_until(given: Mapping[str, object], where: str) -> Until:
     figure, width, most = str(given.get("figure", "")), str(given.get("width", "")), given.get("most", Until.most)
     if figure not in (MET, *DEFINITION_OF):
         raise ParameterError(f"{where}: figure = {figure!r}: must be a figure of merit, or {MET}")
-    if not isinstance(most, int) or isinstance(most, bool) or most < FEWEST:
-        raise ParameterError(f"{where}: most = {most!r}: must be a number of seeds, at least {FEWEST}")
+    if not isinstance(most, int) or isinstance(most, bool) or most < FEWEST_SEEDS:
+        raise ParameterError(f"{where}: most = {most!r}: must be a number of seeds, at least {FEWEST_SEEDS}")
     is_relative = width.endswith("%") and figure != MET
     key = "unit_efficiency" if is_relative or figure == MET else figure
     bound = parse_criterion(Given(f"<= {width}", key, f"{where}: width")).bound

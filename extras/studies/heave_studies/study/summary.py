@@ -216,6 +216,18 @@ def wilson(count: int, of: int) -> tuple[float, float]:
     return max(middle - half, 0.0), min(middle + half, 1.0)
 
 
+FEWEST_SEEDS = 3
+"""Values from which on a spread is stated: of two, Student's t gives 4.5 standard deviations, which say nothing."""
+
+
+def half_width(values: Array) -> float:
+    """Return half the confidence interval of a mean, Student's, of `values` (n,); NaN for fewer than FEWEST_SEEDS."""
+    if values.size < FEWEST_SEEDS:
+        return math.nan
+    quantile = float(stats.t.ppf(0.5 + 0.5 * CONFIDENCE, values.size - 1))
+    return quantile * float(values.std(ddof=1)) / math.sqrt(values.size)
+
+
 def bootstrap(values: Array, figure: Callable[[Array], float]) -> tuple[float, float]:
     """Return the confidence interval of a `figure` of a sample, `values` of shape (n,), by resampling it."""
     random = random_stream(1, STREAM)

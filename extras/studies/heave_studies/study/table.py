@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
-from types import MappingProxyType
+from collections.abc import Sequence
 
 import pandas
 from heave_bags.analyse import kpi_set
-from heave_bringup.scenarios import named_files
 
-from heave_studies.study.case_file import CASE, FILES, SCENARIO, ReadFile, to_text
+from heave_studies.study.case_file import CASE, SCENARIO
 from heave_studies.study.runs import CaseResult, Task
 from heave_studies.study.workers import FAILURE
 
@@ -24,24 +22,19 @@ OUTCOME = (FAILURE, LOST, REASON, MET, MISSED, BREACHES, SHARE, SCREENED, FLAG)
 SILENT, SILENT_START = "silent_minute", "silent_minute_start_s"
 """Columns with the worst minute that no alarm announced: s(z) / s(z_off) over it [-], and when it begins [s]."""
 
-NO_FILES: Mapping[str, ReadFile] = MappingProxyType({})
 
-
-def case_frame(
-    tasks: Sequence[Task], results: Sequence[CaseResult], files: Mapping[str, ReadFile] = NO_FILES
-) -> pandas.DataFrame:
+def case_frame(tasks: Sequence[Task], results: Sequence[CaseResult]) -> pandas.DataFrame:
     """Return a row for each case: number, seed, settings by place, outcome, figures of merit, the whole scenario.
 
     Parameters
     ----------
     tasks, results : of the cases, in their order
-    files : that they read, by path
     """
-    rows = [_row(task, result, files) for task, result in zip(tasks, results, strict=True)]
+    rows = [_row(task, result) for task, result in zip(tasks, results, strict=True)]
     settings = dict.fromkeys(place for result in results for place in result.case.settings)
     keys = [definition.key for definition in kpi_set.KPI_DEFINITIONS]
     frame = pandas.DataFrame(
-        rows, columns=[CASE, SEED, NOMINAL, *settings, *OUTCOME, SILENT, SILENT_START, *keys, SCENARIO, FILES]
+        rows, columns=[CASE, SEED, NOMINAL, *settings, *OUTCOME, SILENT, SILENT_START, *keys, SCENARIO]
     )
     for place in settings:
         frame[place] = _of_one_type(frame[place])
@@ -50,7 +43,7 @@ def case_frame(
 
 def settings_of(frame: pandas.DataFrame) -> list[str]:
     """Return the columns of a `frame` in which its cases differ: places of parameters."""
-    known = {CASE, SEED, NOMINAL, SCENARIO, FILES, *OUTCOME, SILENT, SILENT_START, *kpi_set.DEFINITION_OF}
+    known = {CASE, SEED, NOMINAL, SCENARIO, *OUTCOME, SILENT, SILENT_START, *kpi_set.DEFINITION_OF}
     return [name for name in frame.columns if name not in known]
 
 
@@ -64,7 +57,7 @@ def alike(frame: pandas.DataFrame, *but_for: str) -> list[list[int]]:
     return list(groups.values())
 
 
-def _row(task: Task, result: CaseResult, files: Mapping[str, ReadFile]) -> dict[str, object]:
+def _row(task: Task, result: CaseResult) -> dict[str, object]:
     case = result.case
     share = None if math.isnan(result.compensating) else result.compensating
     return {
@@ -85,7 +78,6 @@ def _row(task: Task, result: CaseResult, files: Mapping[str, ReadFile]) -> dict[
         SILENT_START: result.minute.start,
         **result.kpis,
         SCENARIO: task.text,
-        FILES: to_text(files[path] for path in named_files(task.scenario) if path in files) if files else "",
     }
 
 

@@ -14,17 +14,16 @@ from heave_node.interface.codes import COMPENSATION_LOST, MODE_CHANGED, WinchLim
 from heave_node.kpi import efficiency, significant
 from heave_node.numerics.arrays import Array
 from heave_node.numerics.randomness import random_stream
-from winch_controller_node.beliefs.beliefs import Beliefs, corrections, parameters_under
+from winch_controller_node.beliefs.beliefs import corrections, parameters_under
 from winch_controller_node.beliefs.quantities import DEPTH_SCALE, ENCODER_SCALE
 from winch_controller_node.core.supervision.modes import Mode
 from winch_controller_node.node_parameters import WinchControllerParameters
 
 from heave_studies.study.workers import FAILURE, Job, Run, run_here
 from heave_studies.whatif.identify import STIFFNESS, CableFit, Evidence, fit_cable
-from heave_studies.whatif.record import Flags, SensorRecord, bridged, without_move
+from heave_studies.whatif.record import Flags, SensorRecord, without_move
 from heave_studies.whatif.spectra import Disturbance, HighPass, TipSource, disturbance, smoothed_tip
 from heave_studies.whatif.twin import (
-    Again,
     Asked,
     Drive,
     Past,
@@ -33,7 +32,6 @@ from heave_studies.whatif.twin import (
     driven,
     locked,
     nominal_line,
-    observed_again,
     past_winch,
     replay,
     scaled_line,
@@ -41,17 +39,11 @@ from heave_studies.whatif.twin import (
     winch_under,
 )
 
-MODES = (MODE_CHANGED, COMPENSATION_LOST)
-"""Codes of alarms that report a mode, and not why."""
-
 COVERED = 1.645
 """Half the width of a band of 90 % over a standard deviation."""
 
 MODEL_LEAST, MODEL_MOST = 0.004, 0.04
 """Relative error of the twin in what it adds to a record: at least that of its mesh and drag; at most as stated."""
-
-Band = tuple[float, float]
-"""Lower and upper end."""
 
 COUNTED = int(~WinchLimit.PAYOUT)
 """Limits of the winch that count as such: not the ends of its cable."""
@@ -65,19 +57,9 @@ class Figures:
     """Figures of one loop, by their names as figures of merit."""
 
     values: Mapping[str, float]  # as predicted
-    unit: Array = field(repr=False)  # heave of the unit about its mean depth at each tick of the window (n,) [m]
-    bands: Mapping[str, Band] = field(default_factory=dict)  # of 90 %, lower and upper end
+    bands: Mapping[str, tuple[float, float]] = field(default_factory=dict)  # of 90 %, lower and upper end
     lost_at: float = math.inf  # time at which compensation was given up [s]; infinite: never
     cause: str = ""  # alarm with which it was
-
-    def beside(self, base: Figures) -> dict[str, float]:
-        """Return by how much each figure is other than that of a `base`."""
-        return {key: value - base.values[key] for key, value in self.values.items()}
-
-
-def unit_motion(done: Replayed, unexplained: Disturbance) -> Array:
-    """Return the heave of the unit about its mean depth at each tick [m]: of the twin as `done`, and `unexplained`."""
-    return without_move(done.time, done.unit + done.set_point + unexplained.heave, done.set_point)
 
 
 def limit_words(flags: Flags) -> str:
@@ -91,14 +73,12 @@ def lost(done: Replayed) -> tuple[float, str]:
 
     One that never began has given up at its first alarm.
     """
-    for time, lost_one in done.alarms:
-        if lost_one.code == COMPENSATION_LOST:
-            near = [one for at, one in done.alarms if abs(at - time) < 1.0 and one.code not in MODES]
-            return time, near[0].brief if near else str(lost_one.values["reason"])
-    has_begun = Mode.COMPENSATING.value in done.modes or set(done.modes) <= {Mode.OFF.value, ""}
-    if has_begun:
+    for time, alarm in done.alarms:
+        if alarm.code == COMPENSATION_LOST:
+            return time, str(alarm.values["reason"])
+    if Mode.COMPENSATING.value in done.modes or set(done.modes) <= {Mode.OFF.value, ""}:
         return math.inf, ""
-    causes = [(time, f"it never began: {one.brief}") for time, one in done.alarms if one.code not in MODES]
+    causes = [(time, f"it never began: {one.brief}") for time, one in done.alarms if one.code != MODE_CHANGED]
     return causes[0] if causes else (float(done.time[0]), "it never began")
 
 
@@ -146,20 +126,11 @@ def with_bands(base: Figures, spread: Spread, uncompensated: float, by_tip: floa
     if uncompensated > 0.0:
         half = spread.half("unit_efficiency")
         by_off = COVERED * spread.model * spread.locked * (1.0 - value) / uncompensated
-        bands["unit_efficiency"] = (
-            value - math.hypot(half, above / uncompensated, by_off),
-            value + math.hypot(half, below / uncompensated, by_off),
-        )
-    return Figures(base.values, base.unit, possible(bands), base.lost_at, base.cause)
-
-
-def possible(bands: Mapping[str, Band]) -> dict[str, Band]:
-    """Return the part of some `bands` in which their figures can be."""
-    found = {}
-    for key, (low, high) in bands.items():
-        least, largest = POSSIBLE.get(key, (0.0, math.inf))
-        found[key] = (max(low, least), min(high, largest))
-    return found
+        less, more = (math.hypot(half, end / uncompensated, by_off) for end in (above, below))
+        bands["unit_efficiency"] = (value - less, value + more)
+    ends = {key: POSSIBLE.get(key, (0.0, math.inf)) for key in bands}
+    possible = {key: (max(low, ends[key][0]), min(high, ends[key][1])) for key, (low, high) in bands.items()}
+    return replace(base, bands=possible)
 
 
 OFF = Mode.OFF.value
@@ -177,8 +148,7 @@ its gain."""
 class Known:
     """What a record has shown."""
 
-    nominal: WinchControllerParameters  # parameters of the controller in the run
-    again: Again  # the same law again
+    evidence: Evidence = field(repr=False)  # of the record
     fit: CableFit  # cable and unit
     past: Past  # the record with its twins
     unexplained: Disturbance  # motion of the unit
@@ -187,28 +157,22 @@ class Known:
     off: Replayed  # the winch locked
     window: slice  # ticks that are judged
     by_tip: float  # standard deviation of the unit's motion by what is not known of the boom tip [m]
-    evidence: Evidence = field(repr=False)  # of the record
 
-    def sigma(self, motion: Array) -> float:
-        """Return the standard deviation of a `motion` of the unit in the window [m].
+    def sigma(self, done: Replayed) -> float:
+        """Return the standard deviation of the unit in the window [m], of the twin as `done` and what it leaves open.
 
-        `motion` is that of the twin and the unexplained one at each tick [m]. The noise that the depth sensor left in
-        it is taken off; what is not known of the boom tip is added.
+        The noise that the depth sensor left in it is taken off; what is not known of the boom tip is added.
         """
+        motion = without_move(done.time, done.unit + done.set_point + self.unexplained.heave, done.set_point)
         square = float(np.var(motion[self.window])) - self.unexplained.left**2
         return math.hypot(math.sqrt(max(square, 0.0)), self.by_tip)
-
-    def under(self, fit: CableFit) -> Known:
-        """Return what is known under another `fit`, the winch as it is."""
-        return _known(self.evidence, self.again, fit, float(self.past.record.time[self.window.start]))
 
     @property
     def model(self) -> float:
         """Relative error of the twins in what they add to the record: what they left of it over what they explained."""
         moved = without_move(self.past.record.time, self.past.plant.unit + self.set_point, self.set_point)
-        explained = float(np.std(moved[self.window]))
         left = math.sqrt(max(self.left**2 - self.by_tip**2, 0.0))
-        return min(max(left / max(explained, 1e-9), MODEL_LEAST), MODEL_MOST)
+        return min(max(left / max(float(np.std(moved[self.window])), 1e-9), MODEL_LEAST), MODEL_MOST)
 
 
 def learn(record: SensorRecord, nominal: WinchControllerParameters, *, start: float) -> Known:
@@ -220,49 +184,46 @@ def learn(record: SensorRecord, nominal: WinchControllerParameters, *, start: fl
     nominal : parameters of its controller
     start : of the window that is judged [s]
     """
-    again = observed_again(record, nominal)
-    beliefs = again.beliefs
+    beliefs = record.beliefs
     scale = beliefs.value(ENCODER_SCALE, nominal)
     winch = past_winch(record, winch_under(beliefs, nominal, speeds_shown(record, scale)), scale)
-    high_pass = assumed_high_pass(beliefs, nominal)
-    source = TipSource(record.time, smoothed_tip(record, corrections(beliefs, nominal)["mru"], high_pass), high_pass)
-    evidence = Evidence(record, nominal, nominal_line(nominal), source, winch, beliefs.value(DEPTH_SCALE, nominal))
-    return _known(evidence, again, fit_cable(evidence), start)
+    depth_scale = beliefs.value(DEPTH_SCALE, nominal)
+    evidence = Evidence(record, nominal, nominal_line(nominal), tip_source(record, nominal), winch, depth_scale)
+    return _known(evidence, fit_cable(evidence), start)
 
 
-def assumed_high_pass(beliefs: Beliefs, nominal: WinchControllerParameters) -> HighPass:
-    """Return the high-pass that the MRU has under `beliefs` about the `nominal` parameters."""
+def tip_source(record: SensorRecord, nominal: WinchControllerParameters) -> TipSource:
+    """Return what the MRU of a `record` has read, as its adviser has corrected it about the `nominal` parameters."""
+    beliefs = record.beliefs
     mru = parameters_under(beliefs, nominal).sensors.mru
-    return HighPass(mru.high_pass_period, mru.high_pass_damping)
+    high_pass = HighPass(mru.high_pass_period, mru.high_pass_damping)
+    return TipSource(record.time, smoothed_tip(record, corrections(beliefs, nominal)["mru"], high_pass), high_pass)
 
 
-def _known(evidence: Evidence, again: Again, fit: CableFit, start: float) -> Known:
+def _known(evidence: Evidence, fit: CableFit, start: float) -> Known:
     """Return what is known under a `fit`; `start` is that of the window that is judged [s]."""
     record, winch, nominal = evidence.record, evidence.winch, evidence.nominal
     line = scaled_line(evidence.line(fit.values), PlantFactors(stiffness=fit.values[STIFFNESS]))
-    set_point, tip = set_point_of(record), evidence.tip(fit.values)
+    set_point, tip = record.set_points, evidence.tip(fit.values)
     drive = Drive(line, nominal.length, tip, winch.payout, winch.rate, record.tick_period)
     off = locked(record, drive._replace(payout=set_point, rate=np.gradient(set_point, record.tick_period)))
     plant = driven(drive)
-    heave = np.column_stack(evidence.readings[0])
-    unexplained = disturbance(heave, record.time, plant.unit, nominal.sensors.depth.noise)
-    encoder_scale = again.beliefs.value(ENCODER_SCALE, nominal)
-    past = Past(record, line, nominal.length, tip, winch, winch.parameters, plant, encoder_scale, evidence.depth_scale)
+    unexplained = disturbance(
+        np.column_stack(evidence.readings[0]), record.time, plant.unit, nominal.sensors.depth.noise
+    )
+    encoder_scale = record.beliefs.value(ENCODER_SCALE, nominal)
+    past = Past(record, drive, winch, winch.parameters, plant, encoder_scale, evidence.depth_scale)
     window = slice(int(np.searchsorted(record.time, start)), record.ticks)
     left = float(np.std(without_move(record.time, unexplained.heave, set_point)[record.time >= evidence.start]))
     by_tip = evidence.by_tip(fit.values)
-    return Known(nominal, again, fit, past, unexplained, left, set_point, off, window, by_tip, evidence)
-
-
-def set_point_of(record: SensorRecord) -> Array:
-    """Return the mean payout at each tick of a `record` (n,) [m]; in ticks left out that between those beside them."""
-    return bridged(record.set_points)
+    return Known(evidence, fit, past, unexplained, left, set_point, off, window, by_tip)
 
 
 def drawn(known: Known, seed: int, number: int) -> Known:
     """Return what is `known` with plant and winch of draw `number` of a `seed`."""
     random = random_stream(seed, f"whatif/{number}")
-    other = known.under(known.fit.drawn(random))
+    start = float(known.past.record.time[known.window.start])
+    other = _known(known.evidence, known.fit.drawn(random), start)
     if winch_moved(known):
         return other
     lag, delay, gain = (spread * float(random.standard_normal()) for spread in WINCH_SPREAD)
@@ -283,7 +244,7 @@ def winch_moved(known: Known) -> bool:
 
 def off_sigma(known: Known) -> float:
     """Return the standard deviation of the unit with the winch locked, by what is `known` [m]."""
-    return known.sigma(unit_motion(known.off, known.unexplained))
+    return known.sigma(known.off)
 
 
 @dataclass(frozen=True)
@@ -296,11 +257,6 @@ class Answer:
     plants: int  # number of plants over which it was closed
     lost: int  # number of them on which it gives up compensation, or never begins
     cause: str  # the alarm with which it does; empty: it does not
-
-    @property
-    def fade_out(self) -> float:
-        """Share of the plants on which it gives up compensation, or never begins [-]."""
-        return self.lost / self.plants
 
     @property
     def is_refused(self) -> bool:
@@ -333,9 +289,9 @@ def answers(
     Raises CommandError where a process ends without a result.
     """
     tasks = [(one, asked) for asked in wanted for one in (known, *others)]
-    done = {n: seen for n, (one, asked) in enumerate(tasks) if (seen := _seen(one, asked, known)) is not None}
+    done = {n: one.off for n, (one, asked) in enumerate(tasks) if asked.law == OFF}
     jobs = [
-        Job(n, asked.name, partial(replay, one.past, asked)) for n, (one, asked) in enumerate(tasks) if n not in done
+        Job(n, asked.law, partial(replay, one.past, asked)) for n, (one, asked) in enumerate(tasks) if n not in done
     ]
     for job, result in run(jobs):
         if isinstance(result, dict):
@@ -346,92 +302,54 @@ def answers(
     return [_answer(known, asked, of_law, others) for asked, of_law in zip(wanted, loops, strict=True)]
 
 
-def _is_off(asked: Asked) -> bool:
-    """Return whether what is asked for is no loop: the winch is locked."""
-    return asked.controller.law == OFF
-
-
-def _seen(one: Known, asked: Asked, known: Known) -> Replayed | None:
-    """Return what is asked for where it is there already: the winch locked, or the record itself where that is known.
-
-    Parameters
-    ----------
-    one : what is known, or a draw of it
-    asked : for the loop
-    known : by the record
-    """
-    if _is_off(asked):
-        return one.off
-    is_own = one is known and asked.controller == known.nominal and asked.winch is None
-    return _as_recorded(known) if is_own and known.again.is_same else None
-
-
 def _answer(known: Known, asked: Asked, loops: Sequence[Replayed], others: Sequence[Known]) -> Answer:
-    """Return what a loop would have done.
-
-    Parameters
-    ----------
-    known : by the record
-    asked : for the loop
-    loops : what it does over that, and over each draw
-    others : draws of what is known
-    """
+    """Return what the loop that is `asked` for would have done: `loops` are over what is `known`, and over `others`."""
     done, *drawn = loops
-    base = _figures(known, done)
-    draws = [_figures(one, what) for one, what in zip(others, drawn, strict=True)]
+    base = figures_of(known, done)
+    draws = [figures_of(one, what) for one, what in zip(others, drawn, strict=True)]
     past, window = known.past, known.window
     spread = Spread(
-        loops=[one.beside(base) for one in draws],
+        loops=[{key: value - base.values[key] for key, value in one.values.items()} for one in draws],
         added=float(np.std((done.unit + done.set_point - past.plant.unit - known.set_point)[window])),
         locked=float(np.std((known.off.unit - past.plant.unit)[window])),
         model=known.model,
     )
     found = with_bands(base, spread, off_sigma(known), known.by_tip)
-    if _is_off(asked):
+    if asked.law == OFF:
         # it is the reference of the efficiency
         found = replace(found, bands={**found.bands, "unit_efficiency": (0.0, 0.0)})
     lost = [one for one in (base, *draws) if math.isfinite(one.lost_at)]
     return Answer(asked, found, done, len(loops), len(lost), lost[0].cause if lost else "")
 
 
-def _figures(known: Known, done: Replayed) -> Figures:
-    """Return the figures of a loop, as `done` over what is `known`, still without bands."""
+def figures_of(known: Known, done: Replayed) -> Figures:
+    """Return the figures of a loop, as `done` over what is `known`, without bands."""
     record, window = known.past.record, known.window
-    unit = unit_motion(done, known.unexplained)
-    sigma, off = known.sigma(unit), off_sigma(known)
+    sigma, off = known.sigma(done), off_sigma(known)
     # the record's tension with what the loop changes in it, where it was read
     read = record.tension + done.tension - known.past.plant.tension
     tension = np.maximum(np.where(np.isfinite(read), read, done.tension), 0.0)[window]
-    rate = done.rate[window]
     values = {
         "unit_efficiency": efficiency(sigma, off),
         "unit_sigma_m": sigma,
         "significant_residual_m": significant(sigma),
-        "tension_min_n": float(tension.min()),
         "tension_max_n": float(tension.max()),
-        "winch_speed_max_mps": float(np.abs(rate).max()),
-        "winch_acceleration_max_mps2": float(np.abs(np.diff(rate)).max()) / record.tick_period,
+        "winch_speed_max_mps": float(np.abs(done.rate[window]).max()),
         "time_at_limit_percent": 100.0 * float(np.mean((done.limits_hit[window] & COUNTED) != 0)),
     }
-    lost_at, cause = lost(done)
-    return Figures(values, unit[window], {}, lost_at, cause)
+    return Figures(values, {}, *lost(done))
 
 
 def recorded(known: Known) -> Figures:
     """Return the figures of the record itself, by what is `known` of it."""
-    return _figures(known, _as_recorded(known))
-
-
-def _as_recorded(known: Known) -> Replayed:
-    """Return what the loop of the record did: its orders given again give its payout and readings to the last bit."""
     past, record = known.past, known.past.record
-    return replace(
+    done = replace(
         known.off,
         payout=past.winch.payout,
         rate=past.winch.rate,
         unit=past.plant.unit,
         tension=past.plant.tension,
         modes=record.modes,
-        alarms=known.again.alarms,
         limits_hit=record.limits_hit,
     )
+    return figures_of(known, done)

@@ -5,25 +5,23 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from heave_bags.analyse.kpi_set import DEFINITION_OF
 from heave_bringup.errors import CommandError
+from heave_node.sheet import UNKNOWN, Column, Sheet
 from winch_controller_node.core.supervision.modes import Mode
 
 from heave_studies.whatif.answer import OFF, Answer, Figures, Known, limit_words, off_sigma, winch_moved
-from heave_studies.whatif.identify import AS_THEY_ARE, BEGINS, DAMPING, INERTIA
-from heave_studies.whatif.record import LOST, Loss, SensorRecord
-
-AFTER_SNAP = 1.0
-"""Time before the cable is first slack at which a record is to end [s]."""
+from heave_studies.whatif.identify import BEGINS, DAMPING, INERTIA
+from heave_studies.whatif.record import SensorRecord
 
 SHORTEST = 60.0
 """Shortest time that is judged [s]: half a dozen waves."""
 
-READ_SHARE = 0.5
-"""Share of the record in which a sensor must have read."""
+LOST = 1.0
+"""Longest time without a reading of MRU, depth sensor or encoder that is bridged [s]."""
 
 LARGEST_LEFT = 0.1
 """Motion that the twin does not explain, over that of the unit with the winch locked, above which cable and unit are
@@ -34,16 +32,6 @@ POOR_CHI2 = 1.5
 
 WIDE = 0.05
 """Distance from the efficiency to an end of its band above which the record does not suffice [-]."""
-
-NEEDED = {
-    "mru": "the boom tip's motion is not known",
-    "depth": "the unit's motion is not known",
-    "encoder": "what the drum did is not known",
-}
-"""Sensors that every answer needs, and why."""
-
-STALE = "stale"
-"""Reason of the controller where no reading has come."""
 
 FAR = 5.0
 """Standard deviations of what was known before above which an identified value is none of cable, unit or MRU."""
@@ -73,48 +61,21 @@ def check_record(record: SensorRecord, start: float, where: str) -> None:
     if left < SHORTEST:
         raise CommandError(
             f"{where}: {max(left, 0.0):.0f} s are left after its transient of {start:g} s; {SHORTEST:g} s at least are "
-            "needed: record longer, or give another --transient or --end"
+            "needed: record longer, or give another --end"
         )
-    spans = {"mru": record.mru[:, 0], "depth": record.scalar("depth")[:, 0]}
-    for sensor, times in spans.items():
-        seconds = len(np.unique(np.floor(times)))
-        if seconds < READ_SHARE * record.duration:
-            raise CommandError(f"{where}: {sensor} was read in {seconds} of {record.duration:.0f} s: too little to say")
-    silent = sum(one.winch is None or not math.isfinite(one.winch.encoder_payout) for one in record.measurements)
-    if silent > (1.0 - READ_SHARE) * record.ticks:
-        raise CommandError(
-            f"{where}: the encoder was lost in {silent} of {record.ticks} ticks: the payout is not known"
-        )
-    for loss in sorted(record.losses, key=lambda one: one.start):
-        if loss.sensor in NEEDED and _lasted(record, loss, start) > LOST:
-            raise CommandError(
-                f"{where}: {loss.sensor} was lost from {loss.start:.1f} s to {loss.end:.1f} s ({loss.reason}): "
-                f"{NEEDED[loss.sensor]} there; give --end {loss.start:.0f}"
-            )
-    if math.isfinite(record.operated):
-        raise CommandError(
-            f"{where}: an operator acted at {record.operated:.1f} s, which no other law would have been asked: give "
-            f"--end {record.operated:.0f}"
-        )
-    held = Mode.CONSTANT_TENSION.value
-    if held in record.modes:
-        time = float(record.time[record.modes.index(held)])
-        raise CommandError(f"{where}: a tension was held from {time:.1f} s on, as in a landing: give --end {time:.0f}")
-    faults = [
-        float(t) for t, one in zip(record.time, record.measurements, strict=True) if one.winch and one.winch.fault
-    ]
-    if faults:
-        raise CommandError(f"{where}: the winch reported a fault at {faults[0]:.1f} s: give --end {faults[0]:.0f}")
-
-
-def _lasted(record: SensorRecord, loss: Loss, start: float) -> float:
-    """Return how long a `loss` has kept a `record` without readings that count, after its `start` [s]."""
-    begun, end = max(loss.start, start), min(loss.end, float(record.time[-1]))
-    if loss.reason != STALE or end <= begun:
-        return end - begun
-    # a controller that was held up gets late what the sensor has read all the same
-    times = [time for time in record.times_of(loss.sensor) if begun < time < end]
-    return float(np.diff(np.sort([begun, *times, end])).max())
+    read = {"mru": record.mru[:, 0], "depth": record.scalar("depth")[:, 0]}
+    read["encoder"] = record.time[[one.winch is not None for one in record.measurements]]
+    causes = [(record.operated, "an operator acted, which no other law would have been asked")]
+    for sensor, times in read.items():
+        edges = np.array([start, *np.sort(times[times > start]), record.time[-1]])
+        gaps = np.flatnonzero(np.diff(edges) > LOST)
+        causes += [(float(edges[gap]), f"{sensor} was not read until {edges[gap + 1]:.1f} s") for gap in gaps[:1]]
+    for time, mode, one in zip(record.time.tolist(), record.modes, record.measurements, strict=True):
+        causes += [(time, "a tension was held, as in a landing")] if mode == Mode.CONSTANT_TENSION.value else []
+        causes += [(time, "the winch had a fault")] if one.winch and one.winch.fault else []
+    time, words = min(causes)
+    if math.isfinite(time):
+        raise CommandError(f"{where}: from {time:.1f} s on {words}: give --end {time:.0f}")
 
 
 def check_known(known: Known, where: str) -> None:
@@ -124,40 +85,22 @@ def check_known(known: Known, where: str) -> None:
         time = float(known.past.record.time[slack[0]])
         raise CommandError(
             f"{where}: the cable was slack from {time:.1f} s on: what comes before a snap does not tell what comes "
-            f"after; give --end {time - AFTER_SNAP:.0f}"
+            f"after; give --end {time - 1.0:.0f}"
         )
-    check_fit(known, off_sigma(known), where)
-    missed, moved = known.past.winch.error, float(np.std(known.past.winch.payout - known.set_point))
-    if winch_moved(known) and missed > LARGEST_WINCH_ERROR * moved:
-        raise CommandError(
-            f"{where}: the winch as identified misses the encoder by {100.0 * missed:.1f} cm of {100.0 * moved:.1f} cm "
-            "(sigma): it is another winch; check its time constant, delay and limits"
-        )
-
-
-def check_fit(known: Known, off: float, where: str) -> None:
-    """Refuse cable, unit and MRU that are not as assumed.
-
-    Parameters
-    ----------
-    known : by a record
-    off : standard deviation of the unit with the winch locked [m]
-    where : the bag, for the message
-
-    Raises CommandError, in one line, with what to check.
-    """
+    off = off_sigma(known)
     if known.left > LARGEST_LEFT * off:
-        raise CommandError(
-            f"{where}: the twin misses the depth by {100.0 * known.left:.1f} cm of {100.0 * off:.1f} cm (sigma): "
-            f"{CHECK}"
-        )
+        missed = f"the twin misses the depth by {100.0 * known.left:.1f} cm of {100.0 * off:.1f} cm (sigma)"
+        raise CommandError(f"{where}: {missed}: {CHECK}")
     for name, value in known.fit.values.items():
-        off_prior = known.fit.off_prior(name)
-        if off_prior > FAR:
-            raise CommandError(
-                f"{where}: {name} is identified as {value:.3g}, {off_prior:.0f} standard deviations from what was "
-                f"known before: {CHECK}"
-            )
+        if (off_prior := known.fit.off_prior(name)) > FAR:
+            far = f"{name} is identified as {value:.3g}, {off_prior:.0f} standard deviations from what was known before"
+            raise CommandError(f"{where}: {far}: {CHECK}")
+    missing, moved = known.past.winch.error, float(np.std(known.past.winch.payout - known.set_point))
+    if winch_moved(known) and missing > LARGEST_WINCH_ERROR * moved:
+        raise CommandError(
+            f"{where}: the winch as identified misses the encoder by {100.0 * missing:.1f} cm of {100.0 * moved:.1f} "
+            "cm (sigma): it is another winch; check its time constant, delay and limits"
+        )
 
 
 def reported(known: Known) -> list[tuple[str, bool, str]]:
@@ -165,13 +108,10 @@ def reported(known: Known) -> list[tuple[str, bool, str]]:
     fit, record, window = known.fit, known.past.record, known.window
     reached, moved = limit_words(record.limits_hit[window]), winch_moved(known)
     plant = f"inertia within {100.0 * fit.sigma(INERTIA):.1f} %, chi2 {fit.chi2:.1f}"
-    winch = "it answered orders" if moved else "it stood still"
-    if moved and not known.again.beliefs.values:
-        winch += ", as nominal"
     return [
         ("cable and unit", fit.tells(INERTIA), plant),
         ("damping", fit.tells(DAMPING), f"within {100.0 * fit.sigma(DAMPING):.0f} %"),
-        ("winch", moved, winch),
+        ("winch", moved, "it answered orders" if moved else "it stood still"),
         ("winch limits", bool(reached), f"reached: {reached}" if reached else "they were never reached"),
     ]
 
@@ -184,24 +124,19 @@ def warnings(known: Known, answers: Sequence[Answer]) -> list[str]:
             f"the fit of cable and unit leaves {known.fit.chi2:.1f} times the noise of the depth sensor: the bands "
             "may be too narrow"
         )
-    if not known.again.is_same:
-        lines.append(
-            f"the same law parts from the record at {known.again.parted:.1f} s (mode {known.again.mode}, recorded "
-            f"{known.again.was or 'unknown'}): a lost message, or another version"
-        )
     for answer in answers:
         if answer.lost:
             at = answer.figures.lost_at
             shown = f"on the likeliest at {at:.1f} s" if math.isfinite(at) else "not on the likeliest"
             withheld = "; when it does hangs on thresholds, so its figures are withheld" if answer.is_refused else ""
             lines.append(
-                f"{answer.asked.name}: gives up compensation on {answer.lost} of {answer.plants} plants that the "
+                f"{answer.asked.law}: gives up compensation on {answer.lost} of {answer.plants} plants that the "
                 f"record allows, {shown}: {answer.cause}{withheld}"
             )
         lacking = [] if answer.is_refused else lacks(known, answer)
         if lacking:
             lacked = "; ".join(lacking)
-            lines.append(f"{answer.asked.name}: this record does not show all that the answer stands on: {lacked}")
+            lines.append(f"{answer.asked.law}: this record does not show all that the answer stands on: {lacked}")
     return lines
 
 
@@ -213,7 +148,7 @@ def lacks(known: Known, answer: Answer) -> list[str]:
     found = []
     if not shows["cable and unit"][0]:
         found.append(f"cable and unit are not known from it ({shows['cable and unit'][1]})")
-    if answer.asked.controller.law != OFF and not shows["winch"][0]:
+    if answer.asked.law != OFF and not shows["winch"][0]:
         found.append(f"how the winch answers is assumed ({shows['winch'][1]})")
     if limit >= SELDOM and not shows["winch limits"][0]:
         limits = limit_words(answer.done.limits_hit[known.window])
@@ -232,6 +167,14 @@ BRIEF = (
 EXPERIMENTAL = "whatif is experimental: compared with simulated runs alone (docs/guide/howto/what_would_have_been.md)"
 
 
+class Row(NamedTuple):
+    """A row of the table of answers."""
+
+    name: str  # law
+    lost: str  # plants on which it gives up compensation, of how many
+    figures: Figures  # that are shown
+
+
 @dataclass(frozen=True)
 class Result:
     """All that a command has to say."""
@@ -247,55 +190,45 @@ class Result:
         """What a reader must be aware of, a line each."""
         return [*self.notes, *warnings(self.known, self.answers)]
 
-
-def banded(key: str, figures: Figures) -> str:
-    """Return the figure of a `key` among `figures` with its band, in the unit of tables."""
-    definition, value = DEFINITION_OF[key], figures.values[key]
-    if not math.isfinite(value):
-        return "-"
-    text, low, high = map(definition.text, (value, *figures.bands.get(key, (value, value))))
-    return text if low == high else f"{text} ({low} to {high})"
+    @property
+    def rows(self) -> list[Row]:
+        """The record itself, then what would have been."""
+        lost = ["-" if one.asked.law == OFF else f"{one.lost} of {one.plants}" for one in self.answers]
+        found = [Row(one.asked.law, of, one.shown) for one, of in zip(self.answers, lost, strict=True)]
+        return [Row("recorded", "-", self.recorded), *found]
 
 
-def headings() -> list[str]:
-    """Return the headings of the table of answers."""
-    titles = [f"{DEFINITION_OF[key].title} [{DEFINITION_OF[key].unit}]" for key in BRIEF]
-    return ["law", "gives up", *titles]
+def _column(key: str) -> Column:
+    """Return the column of the figure of a `key` with its band."""
+    definition = DEFINITION_OF[key]
+
+    def banded(row: Row) -> str:
+        value = row.figures.values[key]
+        if not math.isfinite(value):
+            return UNKNOWN
+        text, low, high = map(definition.text, (value, *row.figures.bands.get(key, (value, value))))
+        return text if low == high else f"{text} ({low} to {high})"
+
+    return Column(f"{definition.title} [{definition.unit}]", banded)
 
 
-def rows(result: Result) -> list[list[str]]:
-    """Return the rows of the table of a `result`: the record itself, then what would have been."""
-    found = [("recorded", "-", result.recorded)]
-    for one in result.answers:
-        is_off = one.asked.controller.law == OFF
-        found.append((one.asked.name, "-" if is_off else f"{one.lost} of {one.plants}", one.shown))
-    return [[name, lost, *(banded(key, of) for key in BRIEF)] for name, lost, of in found]
+ANSWERS = Sheet(Column("law", "name"), Column("gives up", "lost"), *map(_column, BRIEF))
+"""Columns of the answers."""
 
 
 def lines_before(result: Result) -> list[str]:
-    """Return the lines that come before the answers of a `result`: the check, what is known, what was changed."""
+    """Return the lines that come before the answers of a `result`: what is known, and what was changed."""
     known = result.known
-    verdict = "gives the record again" if known.again.is_same else "DOES NOT GIVE THE RECORD AGAIN"
-    lines = [
-        f"same law again: {verdict}; model of the winch alone within {1e3 * known.past.winch.error:.1f} mm of the "
-        f"encoder, twin of the unit within {1e3 * known.unexplained.waves:.1f} mm of the depth (standard deviations)",
-        "known from this record: "
-        + "; ".join(f"{of} {'yes' if is_reported else 'no'}: {why}" for of, is_reported, why in reported(known)),
-        "identified: " + ", ".join(_identified(known)),
+    shown = "; ".join(f"{of} {'yes' if is_reported else 'no'}: {why}" for of, is_reported, why in reported(known))
+    values = {name: f"{value:.3g}" for name, value in known.fit.values.items() if known.fit.tells(name)}
+    values |= {name: f"{belief.value:.4g} (adviser)" for name, belief in known.past.record.beliefs.values.items()}
+    return [
+        f"winch alone within {1e3 * known.past.winch.error:.1f} mm of the encoder, twin of the unit within "
+        f"{1e3 * known.unexplained.waves:.1f} mm of the depth (standard deviations)",
+        f"known from this record: {shown}",
+        f"identified: {', '.join(f'{name} {words}' for name, words in values.items()) or 'nothing'}",
+        *([f"each law with {' and '.join(result.settings)}"] if result.settings else []),
     ]
-    return [*lines, *([f"each law with {' and '.join(result.settings)}"] if result.settings else [])]
-
-
-def _identified(known: Known) -> list[str]:
-    """Return what was identified, with its standard deviation, and by the adviser, in words."""
-    found = [
-        f"{name} {value:.3g} (sigma {known.fit.sigma(name):.2g}){AS_THEY_ARE.get(name, '')}"
-        for name, value in known.fit.values.items()
-        if known.fit.tells(name)
-    ]
-    found += [f"{name} {belief.value:.4g} (adviser)" for name, belief in known.again.beliefs.values.items()]
-    period = known.evidence.source.high_pass.period
-    return [*found, *([f"high-pass of the MRU {period:.0f} s"] if period else [])] or ["nothing"]
 
 
 def to_json(result: Result) -> dict[str, Any]:
@@ -303,25 +236,18 @@ def to_json(result: Result) -> dict[str, Any]:
     known = result.known
     return {
         "settings": list(result.settings),
-        "same_law_again": known.again.is_same,
-        "reported": {of: {"is_reported": is_reported, "why": why} for of, is_reported, why in reported(known)},
-        "identified": {
-            name: {"value": value, "sigma": known.fit.sigma(name)} for name, value in known.fit.values.items()
-        },
-        "beliefs": {name: belief.value for name, belief in known.again.beliefs.values.items()},
+        "reported": {of: is_reported for of, is_reported, _ in reported(known)},
+        "identified": {name: [value, known.fit.sigma(name)] for name, value in known.fit.values.items()},
         "chi2": known.fit.chi2,
         "uncompensated_sigma_m": off_sigma(known),
         "recorded": dict(result.recorded.values),
         "warnings": result.warnings,
         "answers": [
             {
-                "name": one.asked.name,
-                "law": one.asked.controller.law,
+                "name": one.asked.law,
                 **one.shown.values,
                 "bands": {key: list(band) for key, band in one.shown.bands.items()},
-                "fade_out_probability": one.fade_out,
-                "fade_out_cause": one.cause,
-                "fade_out_at_s": one.figures.lost_at,
+                "fade_out_probability": one.lost / one.plants,
                 "record_lacks": lacks(known, one),
             }
             for one in result.answers

@@ -29,18 +29,16 @@ STIFFNESS, SCALE, DELAY = "cable.stiffness_factor", "mru.scale", "mru.delay"
 
 EARLY, LATE = "start.early", "start.late"
 
-AS_THEY_ARE = {DELAY: "s", EARLY: "m", LATE: "m"}
-"""Quantities that are 0 where all is as assumed, with their units; the others are factors."""
+AS_THEY_ARE = (DELAY, EARLY, LATE)
+"""Quantities that are 0 where all is as assumed [s], [m]; the others are factors."""
 
 USUAL = {INERTIA: 0.15, DAMPING: 0.6, CABLE_DRAG: 0.3, STIFFNESS: 0.1, SCALE: 0.02, DELAY: 0.04}
-"""Standard deviation of each about what is assumed: of the logarithm of a factor [-], of a delay [s] or an arm [m]."""
+"""Standard deviation of each about what is assumed: of the logarithm of a factor [-], of a delay [s]."""
 
 
 def prior_of(nominal: WinchControllerParameters) -> dict[str, float]:
     """Return the standard deviation of each quantity before the record, for `nominal` parameters of the controller."""
-    mru = nominal.sensors.mru
-    known = {SCALE: mru.scale_sigma}
-    return {name: max(usual, known.get(name, 0.0)) for name, usual in USUAL.items()}
+    return {**USUAL, SCALE: max(USUAL[SCALE], nominal.sensors.mru.scale_sigma)}
 
 
 BEGINS = 30.0
@@ -121,12 +119,10 @@ class Evidence:
 
     @cached_property
     def tip_noise(self) -> Array:
-        """Power of what is not known of the boom tip (k,) [m2 s]: heave and its rate are two readings of it."""
-        time, heave, rate = self.record.mru.T
-        power = np.full(len(self.omegas), 1.0 / noise_power(time, heave, self.start, self.end, self.source.plain.sigma))
-        if np.isfinite(rate).all():
-            power += self.omegas**2 / noise_power(time, rate, self.start, self.end, self.source.plain.sigma)
-        return np.asarray(1.0 / (power * np.abs(self.source.high_pass.response(self.omegas)) ** 2))
+        """Power of what is not known of the boom tip (k,) [m2 s]."""
+        times, heave = self.record.mru.T
+        noise = noise_power(times, heave, self.start, self.end, self.source.plain.sigma)
+        return np.asarray(noise / np.abs(self.source.high_pass.response(self.omegas)) ** 2)
 
     def line(self, values: Values) -> AxialLine:
         """Return cable and unit under `values`, their stiffness as nominal."""
@@ -201,17 +197,8 @@ class Evidence:
         return Speeds(unit, float(np.std(outlet[inside])))
 
 
-STEPS = {
-    INERTIA: 0.003,
-    DAMPING: 0.05,
-    CABLE_DRAG: 0.05,
-    STIFFNESS: 0.003,
-    SCALE: 0.003,
-    DELAY: 0.003,
-    EARLY: 0.003,
-    LATE: 0.003,
-}
-"""Steps for the slopes of the twin: of the logarithm of a factor, of a delay [s], of a length [m]."""
+STEPS, STEP = {DAMPING: 0.05, CABLE_DRAG: 0.05}, 0.003
+"""Steps for the slopes of the twin, and that of all others: of the logarithm of a factor, a delay [s], a length [m]."""
 
 STARTS = (-0.3, -0.2, -0.12, -0.06, 0.0, 0.06, 0.12, 0.2, 0.3)
 """Logarithms of the inertia that are tried first."""
@@ -286,7 +273,7 @@ class Search:
     def __init__(self, evidence: Evidence, prior: Values, about: Array, noise: Array) -> None:
         self._evidence = evidence
         self._sigma = np.array([prior[name] for name in evidence.names])
-        self._steps = np.diag([STEPS[name] for name in evidence.names])
+        self._steps = np.diag([STEPS.get(name, STEP) for name in evidence.names])
         covariance = evidence.covariance(values_at(about, evidence.names), noise)
         self._whiten = np.linalg.inv(np.linalg.cholesky(covariance))
 

@@ -1,22 +1,20 @@
 """A record as a ship has it: what the controller was given and what it ordered, tick by tick, from a bag. No truth.
 
 Only what a ship has is asked for, by topic and by field. Truth of a simulator is not read: `winch/state` carries some
-(payout, its acceleration, tension), other topics nothing else. The controller's gates say in each tick how many
-readings they judged and how old the newest is: so it is known in which tick a reading came, in real time too, where it
-may come late, with another one, or never.
+(payout, its acceleration, tension), other topics nothing else. A reading is taken to have come in the tick in which it
+was recorded, and not before its stamp, as the state of the winch at the end of a tick: in lockstep it did.
 """
 
 from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from collections import defaultdict
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from functools import cached_property
-from pathlib import Path
-from tempfile import TemporaryDirectory
-from typing import Any, NamedTuple
+from types import MappingProxyType
+from typing import Any
 
 import numpy as np
 from heave_bags.analyse.events import operator_requests
@@ -24,14 +22,13 @@ from heave_bags.analyse.reading.depth_programme import has_programme, running_me
 from heave_bags.analyse.reading.fields import Fields
 from heave_bags.cdr.columns import Columns
 from heave_bags.mcap.reader import LOG_TIME, TIME, Bag, Progress, no_progress
-from heave_bags.record.provenance import SCENARIO_ATTACHMENT
 from heave_bringup.errors import CommandError
 from heave_node.interface import topics
-from heave_node.interface.codes import MruStatus, SensorLevel
+from heave_node.interface.codes import MruStatus
 from heave_node.interface.sensors import MRU, SENSORS, Water, WireReading
 from heave_node.numerics.arrays import Array
 from numpy.typing import NDArray
-from winch_controller_node.beliefs.beliefs import latency_ticks
+from winch_controller_node.beliefs.beliefs import Belief, Beliefs
 from winch_controller_node.interface.conversions import WINCH_STATE, measurements, winch_reading_of
 from winch_controller_node.interface.readings import Measurements, WinchOrder
 from winch_controller_node.interface.requests import request_of
@@ -41,17 +38,8 @@ from winch_controller_node.node_parameters import WinchControllerParameters
 Flags = NDArray[np.int64]
 """Sums of flags, one a tick."""
 
-LOST = 1.0
-"""Longest time without a sensor that is bridged [s]."""
-
-
-class Loss(NamedTuple):
-    """A time in which the controller did not use a sensor."""
-
-    sensor: str  # by name
-    start: float  # [s]
-    end: float  # [s]
-    reason: str  # in its words
+NOMINAL = Beliefs(asked=-1)
+"""Nothing is other than nominal."""
 
 
 @dataclass(frozen=True)
@@ -63,12 +51,12 @@ class SensorRecord:
     measurements: tuple[Measurements, ...]  # delivered to the controller in each tick, (n,)
     # that it gave to the winch in each, (n,); None: it left the tick out, being behind in real time
     orders: tuple[WinchOrder | None, ...]
-    set_points: Array  # mean payout that it worked about in each, (n,) [m]; NaN: not known
+    # mean payout that it worked about in each, (n,) [m]; between those beside it in a tick that it left out
+    set_points: Array
     modes: tuple[str, ...]  # of the controller in each, (n,); "": not known
     has_adviser: bool = True  # the controller had one
-    late: frozenset[int] = frozenset()  # ticks whose observations it answered too late
+    beliefs: Beliefs = field(default=NOMINAL, repr=False)  # newest of that, about the nominal parameters
     operated: float = math.inf  # when an operator requested something of the controller for the first time [s]
-    losses: tuple[Loss, ...] = ()  # of sensors, by the controller
 
     @property
     def ticks(self) -> int:
@@ -108,31 +96,19 @@ class SensorRecord:
 
     @cached_property
     def mru(self) -> Array:
-        """Times, heaves and heave rates that the MRU read and stands by, shape (m, 3) [s], [m], [m/s]."""
+        """Times and heaves that the MRU read and stands by, shape (m, 2) [s], [m]."""
         rows = [
-            (one.time, one.heave, one.heave_rate)
+            (one.time, one.heave)
             for of_tick in self.measurements
             for one in of_tick.mru
             if one.status == MruStatus.OK and np.isfinite(one.heave)
         ]
-        return np.array(rows).reshape(-1, 3)
-
-    def times_of(self, sensor: str) -> list[float]:
-        """Return the times of what a `sensor`, or the encoder, has read [s]."""
-        if sensor == "encoder":
-            return [one.winch.time for one in self.measurements if one.winch is not None]
-        return [one.time for given in self.measurements for one in (given.mru if sensor == "mru" else given.of(sensor))]
+        return np.array(rows).reshape(-1, 2)
 
     def scalar(self, sensor: str) -> Array:
         """Return times and finite values that a `sensor` read, shape (m, 2), in its unit."""
-        if sensor not in self._scalars:
-            rows = [tuple(one) for given in self.measurements for one in given.of(sensor) if math.isfinite(one.value)]
-            self._scalars[sensor] = np.array(rows).reshape(-1, 2)
-        return self._scalars[sensor]
-
-    @cached_property
-    def _scalars(self) -> dict[str, Array]:
-        return {}
+        rows = [tuple(one) for given in self.measurements for one in given.of(sensor) if math.isfinite(one.value)]
+        return np.array(rows).reshape(-1, 2)
 
     def part(self, end: float) -> SensorRecord:
         """Return the record up to a time `end` [s]."""
@@ -168,33 +144,28 @@ def bridged(values: Array) -> Array:
     return np.interp(places, places[good], values[good])
 
 
-def at_ticks(record: SensorRecord, times: Array, values: Array) -> Array:
-    """Return `values` read at `times` [s], in any order, at the ticks of a `record`, in a straight line in between."""
-    order = np.argsort(times, kind="stable")
-    return np.interp(record.time, times[order], values[order])
-
-
 ORDER = ("sequence", "payout", "payout_rate", "brake")
-CONTROLLER = ("mode", "depth_set_point")
-GATE = ("sensor", "accepted", "refused", "age")
-LEVEL = ("level", "reason")
 WINCH, COMMAND, STATE = topics.WINCH_STATE.name, topics.WINCH_COMMAND.name, topics.CONTROLLER_STATE.name
 BELIEFS, DIAGNOSTICS = topics.CONTROLLER_BELIEFS.name, topics.DIAGNOSTICS.name
-ENCODER = "encoder"
+
+NEEDED = {
+    MRU.topic.name: "the boom tip's motion is not known",
+    SENSORS["depth"].topic.name: "the unit's motion is not measured, so it cannot be predicted",
+    WINCH: "what the drum did is not known",
+    COMMAND: "what the winch was ordered is not known",
+    STATE: "about which payout the winch worked is not known",
+}
+"""Topics that every answer needs, and why."""
 
 SELECTION: dict[str, tuple[str, ...]] = {
     WINCH: WINCH_STATE,
     COMMAND: ORDER,
-    STATE: (*CONTROLLER, *(f"sensors[].{name}" for name in (*GATE, *LEVEL))),
-    BELIEFS: ("asked",),
+    STATE: ("mode", "depth_set_point"),
+    BELIEFS: ("values[].quantity", "values[].value"),
     DIAGNOSTICS: ("status[].level", "status[].name", "status[].message"),
     **{SENSORS[name].topic.name: SENSORS[name].values for name in INPUTS},
 }
 """Topics that are read of a bag, and no others: sensors, orders, and the controller's reports and requests."""
-
-Stamps = NDArray[np.int64]
-Delivered = dict[int, list[WireReading]]
-"""Readings of a sensor by tick."""
 
 _SECOND = 1_000_000_000
 
@@ -205,19 +176,25 @@ def read_record(bag: Bag, nominal: WinchControllerParameters, *, progress: Progr
     `progress` is called with the share of the bag that is read. Raises CommandError where the bag lacks what every
     answer needs.
     """
-    _check_topics(bag)
-    period = _period(bag)
-    selection = {topic: fields for topic, fields in SELECTION.items() if bag.has(topic)}
-    columns = bag.columns(selection, progress=progress)
-    orders = _orders(columns[COMMAND], period)
-    first, last = min(orders), max(orders)
-    gates = _gates(columns[STATE])
+    for topic, why in NEEDED.items():
+        if not bag.has(topic):
+            raise CommandError(f"{bag.path}: holds no {topic}: {why}; record it")
+    if bag.has(topics.CRANE_POSE.name):
+        raise CommandError(f"{bag.path}: holds {topics.CRANE_POSE.name}: of a crane that moves no answer can be given")
+    try:
+        period = round(float(bag.run.get("tick_period_s", "")) * _SECOND)
+    except ValueError as error:
+        raise CommandError(f"{bag.path}: does not say its tick period") from error
+    columns = bag.columns({topic: of for topic, of in SELECTION.items() if bag.has(topic)}, progress=progress)
+    rows = zip(*(columns[COMMAND][name].tolist() for name in ORDER), strict=True)
+    orders = dict(zip((_stamps(columns[COMMAND]) // period).tolist(), (WinchOrder(*row) for row in rows), strict=True))
+    ticks = range(min(orders), max(orders) + 1)
     given = {
-        name: _readings(columns[SENSORS[name].topic.name], SENSORS[name].values, gates.get(name), period)
+        name: _readings(columns[SENSORS[name].topic.name], SENSORS[name].values, period)
         for name in INPUTS
         if SENSORS[name].topic.name in columns
     }
-    winches = _readings(columns[WINCH], WINCH_STATE, gates.get(ENCODER), period)
+    winches = _readings(columns[WINCH], WINCH_STATE, period)
     water = Water(nominal.water_density, nominal.gravity)
     taken = tuple(
         measurements(
@@ -225,96 +202,37 @@ def read_record(bag: Bag, nominal: WinchControllerParameters, *, progress: Progr
             winch_reading_of(winches[tick][-1]) if tick in winches else None,
             water,
         )
-        for tick in range(first, last + 1)
+        for tick in ticks
     )
-    modes, set_points = _controller(columns[STATE], period, first, last)
+    said = (columns[STATE][name].tolist() for name in ("mode", "depth_set_point"))
+    state = dict(zip((_stamps(columns[STATE]) // period).tolist(), zip(*said, strict=True), strict=True))
+    modes, set_points = zip(*(state.get(tick, ("", math.nan)) for tick in ticks), strict=True)
     return SensorRecord(
         period / _SECOND,
-        first,
+        ticks[0],
         taken,
-        tuple(orders.get(tick) for tick in range(first, last + 1)),
-        set_points,
-        modes,
-        has_adviser=BELIEFS in columns and len(columns[BELIEFS][TIME]) > 0,
-        late=_late(columns[BELIEFS], period) if BELIEFS in columns else frozenset(),
-        operated=first_request(columns.get(DIAGNOSTICS)),
-        losses=_losses(columns[STATE]),
+        tuple(orders.get(tick) for tick in ticks),
+        bridged(np.array(set_points)),
+        tuple(map(str, modes)),
+        BELIEFS in columns and len(columns[BELIEFS][TIME]) > 0,
+        newest_beliefs(columns.get(BELIEFS)),
+        first_request(columns.get(DIAGNOSTICS)),
     )
 
 
-def _check_topics(bag: Bag) -> None:
-    """Refuse a bag without one of the topics that every answer needs."""
-    needed = {
-        MRU.topic.name: "the boom tip's motion is not known",
-        SENSORS["depth"].topic.name: "the unit's motion is not measured, so it cannot be predicted",
-        WINCH: "what the drum did is not known",
-        COMMAND: "what the winch was ordered is not known",
-        STATE: "what the controller was given in each tick is not known",
-    }
-    for topic, why in needed.items():
-        if not bag.has(topic):
-            raise CommandError(f"{bag.path}: holds no {topic}: {why}; record it")
-    if bag.has(topics.CRANE_POSE.name):
-        raise CommandError(f"{bag.path}: holds {topics.CRANE_POSE.name}: of a crane that moves no answer can be given")
-
-
-def _period(bag: Bag) -> int:
-    """Return the tick period of the run in a `bag` [ns]."""
-    try:
-        return round(float(bag.run.get("tick_period_s", "")) * _SECOND)
-    except ValueError as error:
-        raise CommandError(f"{bag.path}: does not say its tick period") from error
-
-
-def _stamps(columns: Columns) -> Stamps:
+def _stamps(columns: Columns) -> NDArray[np.int64]:
     """Return the stamps of messages [ns]."""
     return np.asarray(np.rint(columns[TIME] * _SECOND), dtype=np.int64)
 
 
-def _orders(columns: Columns, period: int) -> dict[int, WinchOrder]:
-    """Return the order of each tick."""
-    rows = zip(*(columns[name].tolist() for name in ORDER), strict=True)
-    return {
-        int(tick): WinchOrder(int(sequence), payout, rate, bool(brake))
-        for tick, (sequence, payout, rate, brake) in zip(_stamps(columns) // period, rows, strict=True)
-    }
-
-
-class Gate(NamedTuple):
-    """What the controller's gate of a sensor says in each of its ticks."""
-
-    stamps: Stamps  # start of the tick (n,) [ns]
-    judged: Stamps  # readings in it (n,)
-    newest: Stamps  # stamp of the newest accepted reading so far (n,) [ns]; 0: none yet
-
-
-def _gates(state: Columns) -> dict[str, Gate]:
-    """Return the gate of each sensor by the controller's reports."""
-    stamps, found = _stamps(state), {}
-    for number in _sensors(state):
-        name, accepted, refused, age = (state[f"sensors[{number}].{field}"] for field in GATE)
-        total = accepted.astype(np.int64) + refused
-        judged = np.diff(total, prepend=0)
-        newest = np.where(np.isnan(age), 0, stamps - np.rint(np.nan_to_num(age) * _SECOND).astype(np.int64))
-        # a controller that was started again counts from 0
-        found[str(name[0])] = Gate(stamps, np.where(judged < 0, total, judged), newest)
-    return found
-
-
-def _sensors(state: Columns) -> Iterator[int]:
-    """Return the places of sensors in the controller's reports."""
-    return itertools.takewhile(lambda n: f"sensors[{n}].sensor" in state, itertools.count())
-
-
-def _losses(state: Columns) -> tuple[Loss, ...]:
-    """Return when the controller held which sensor as lost, by its reports."""
-    found, time = [], state[TIME]
-    for number in _sensors(state):
-        name, level, reason = (state[f"sensors[{number}].{field}"] for field in ("sensor", *LEVEL))
-        edges = np.diff((level == SensorLevel.LOST).astype(int), prepend=0, append=0)
-        for first, end in zip(np.flatnonzero(edges > 0), np.flatnonzero(edges < 0), strict=True):
-            found.append(Loss(str(name[0]), float(time[first]), float(time[end - 1]), str(reason[first])))
-    return tuple(found)
+def newest_beliefs(columns: Columns | None) -> Beliefs:
+    """Return the adviser's newest answer, by the `columns` of its topic; None: there was no adviser."""
+    if columns is None or not len(columns[TIME]):
+        return NOMINAL
+    last = {name: values[-1] for name, values in columns.items()}
+    places = itertools.takewhile(lambda n: f"values[{n}].quantity" in last, itertools.count())
+    pairs = [(last[f"values[{n}].quantity"], last[f"values[{n}].value"]) for n in places]
+    return Beliefs(0, values=MappingProxyType({name: Belief(name, float(value)) for name, value in pairs if name}))
 
 
 def first_request(diagnostics: Columns | None) -> float:
@@ -326,76 +244,10 @@ def first_request(diagnostics: Columns | None) -> float:
     return min((one.start for one in asked), default=math.inf)
 
 
-def _readings(columns: Columns, fields: Sequence[str], gate: Gate | None, period: int) -> Delivered:
-    """Return the `fields` of the readings in the `columns` of a sensor by the tick in which the controller got them.
-
-    Those that no `gate` has judged are taken to have come in the tick in which they were recorded; `period` is that of
-    the ticks [ns].
-    """
+def _readings(columns: Columns, fields: Sequence[str], period: int) -> Mapping[int, list[WireReading]]:
+    """Return the `fields` of the readings in the `columns` of a sensor by tick; `period` is that of the ticks [ns]."""
     rows: Any = zip(*(columns[value].tolist() for value in fields), strict=True)
-    readings = [WireReading(stamp, numbers) for stamp, numbers in zip(_stamps(columns).tolist(), rows, strict=True)]
-    if gate is None:
-        stamps, judged = np.unique(columns[LOG_TIME] // period * period, return_counts=True)
-        gate = Gate(stamps, judged, np.zeros_like(stamps))
-    return delivered(readings, gate, period)
-
-
-def delivered(readings: Sequence[WireReading], gate: Gate, period: int) -> Delivered:
-    """Return the `readings` of a sensor by the tick in which its `gate` judged them; `period` is that of ticks [ns].
-
-    The newest one that was accepted is known by its stamp: what was lost on the way shifts no other. A reading that was
-    refused is the next one. So is every one of a sensor with a clock of its own: it gets the stamp that the controller
-    gave it.
-    """
-    place = {reading.stamp: number for number, reading in enumerate(readings)}
-    has_own_clock = place.keys().isdisjoint(gate.newest[gate.newest > 0].tolist())
-    found: Delivered = {}
-    done = before = shift = 0
-    for stamp, judged, newest in zip(*(one.tolist() for one in gate), strict=True):
-        # of one that the bag lacks there is no place: nothing came
-        end = done + judged if newest == before or has_own_clock else place.get(newest, -1) + 1
-        taken = readings[max(done, end - judged) : end]
-        if taken:
-            shift = newest - taken[-1].stamp if newest != before and has_own_clock else shift
-            found[stamp // period] = [reading._replace(stamp=reading.stamp + shift) for reading in taken]
-        done, before = max(done, end), newest
+    found: dict[int, list[WireReading]] = defaultdict(list)
+    for logged, stamp, numbers in zip(columns[LOG_TIME].tolist(), _stamps(columns).tolist(), rows, strict=True):
+        found[max(logged, stamp) // period].append(WireReading(stamp, numbers))
     return found
-
-
-def _late(columns: Columns, period: int) -> frozenset[int]:
-    """Return the ticks whose observations were answered too late for the controller."""
-    asked = columns["asked"]
-    return frozenset(asked[columns[LOG_TIME] // period > asked + latency_ticks(period / _SECOND)].tolist())
-
-
-def _controller(columns: Columns, period: int, first: int, last: int) -> tuple[tuple[str, ...], Array]:
-    """Return mode and mean payout of the controller in each tick, as far as it said them."""
-    modes, set_points = [""] * (last - first + 1), np.full(last - first + 1, math.nan)
-    for tick, mode, point in zip(
-        (_stamps(columns) // period).tolist(),
-        columns["mode"].tolist(),
-        columns["depth_set_point"].tolist(),
-        strict=True,
-    ):
-        if first <= tick <= last:
-            modes[tick - first], set_points[tick - first] = str(mode), point
-    return tuple(modes), set_points
-
-
-@contextmanager
-def stored_scenario(bag: Bag, given: Path | str = "") -> Iterator[Path | str]:
-    """Give the scenario of a run, a file or a shipped name: the one that is `given`, else the one that its `bag` has.
-
-    Raises CommandError where there is none.
-    """
-    if given:
-        yield given
-        return
-    attached = bag.attachments.get(SCENARIO_ATTACHMENT, b"")
-    content: bytes = attached if isinstance(attached, bytes) else getattr(attached, "data", b"")
-    if not content:
-        raise CommandError(f"{bag.path}: carries no scenario: say with --scenario what its controller assumed")
-    with TemporaryDirectory(prefix="heave-") as folder:
-        path = Path(folder, "scenario.yaml")
-        path.write_bytes(content)
-        yield path

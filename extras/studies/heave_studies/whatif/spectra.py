@@ -1,8 +1,7 @@
 """Transforms of readings at their own times, Wiener's smoother, the boom tip, and the cable's transfer function.
 
 Wiener, Extrapolation, Interpolation and Smoothing of Stationary Time Series (1949), in the frequency domain: each
-frequency is weighed by the share of its power that is no noise. One rule for boom tip, unit and drum. Heave and heave
-rate of an MRU are two readings of one motion, weighed by their noise; what is left in the noise is left out.
+frequency is weighed by the share of its power that is no noise. One rule for boom tip, unit and drum.
 """
 
 from __future__ import annotations
@@ -17,9 +16,10 @@ from cable_sim_node.vertical.axial_line import AxialLine
 from cable_sim_node.vertical.linear import march
 from heave_node.numerics.arrays import Array, ComplexArray
 from scipy.fft import dct, idct
+from scipy.signal.windows import tukey
 from winch_controller_node.beliefs.beliefs import Correction
 
-from heave_studies.whatif.record import SensorRecord, at_ticks
+from heave_studies.whatif.record import SensorRecord
 
 BAND = (0.25, 4.0)
 """Angular frequencies of waves, which are judged [rad/s]."""
@@ -257,61 +257,30 @@ def smoothed_tip(record: SensorRecord, correction: Correction, high_pass: HighPa
     correction : of the MRU's scale, mean and delay
     high_pass : that the MRU has, as far as it is known
     """
-    time, heave, rate = record.mru.T
-    time = time - correction.delay
-    has_rate = bool(np.isfinite(rate).all())
-    heaves = (at_ticks(record, time, heave) - correction.offset) / correction.scale
-    rates = at_ticks(record, time, rate) / correction.scale if has_rate else np.zeros_like(heaves)
+    time, heave = record.mru.T
+    order = np.argsort(time, kind="stable")
+    heaves = np.interp(record.time + correction.delay, time[order], heave[order])
+    heaves = (heaves - correction.offset) / correction.scale
     count, dt = len(heaves), record.tick_period
     padding = min(count // 2, round(60.0 / dt))
-    X, V = (np.fft.rfft(one) for one in _padded(heaves - heaves.mean(), rates, padding, dt))
-    omega = np.asarray(2.0 * math.pi * np.fft.rfftfreq(count + 2 * padding, dt), dtype=np.float64)
-    response = high_pass.response(omega)
-    weight_x = np.abs(response) ** 2 / _noise(X, omega)
-    weight_v = np.abs(response * omega) ** 2 / _noise(V, omega) if has_rate else np.zeros_like(omega)
-    gain = np.divide(1.0, response, out=np.zeros_like(response), where=np.abs(response) > 1e-3)
-    by_rate = np.divide(V, 1j * omega, out=np.zeros_like(V), where=omega > 0.0)
-    total = np.maximum(weight_x + weight_v, 1e-300)
-    both = gain * (weight_x * X + weight_v * by_rate) / total
-    spread = math.sqrt(1.0 / smoothed_count(omega))
-    kept = wiener_gain(smooth_spectrum(np.abs(both) ** 2, omega), 1.0 / total, spread)
-    kept = kept * (_fade(omega) if high_pass.period > 0.0 else 1.0)
-    motion = kept * both
-    parts = slice(padding, padding + count)
     size = count + 2 * padding
-    left = 2.0 * float(np.sum(kept / total)) / size**2
+    # its mirror image at both ends, faded out: the ends of a record do not ring
+    series = np.pad(heaves - heaves.mean(), padding, mode="reflect") * tukey(size, 2.0 * padding / size)
+    omega = np.asarray(2.0 * math.pi * np.fft.rfftfreq(size, dt), dtype=np.float64)
+    read, response = np.fft.rfft(series), high_pass.response(omega)
+    gain = np.divide(1.0, response, out=np.zeros_like(response), where=np.abs(response) > 1e-3)
+    noise = noise_level(np.abs(read[omega > QUIET]) ** 2) * np.abs(gain) ** 2
+    spread = math.sqrt(1.0 / smoothed_count(omega))
+    kept = wiener_gain(smooth_spectrum(np.abs(gain * read) ** 2, omega), noise, spread)
+    if high_pass.period > 0.0:  # none below SLOWEST, all from half as much above
+        share = np.clip((omega / SLOWEST - 1.0) / 0.5, 0.0, 1.0)
+        kept = kept * share * share * (3.0 - 2.0 * share)
+    motion, inside = kept * gain * read, slice(padding, padding + count)
     return Tip(
-        np.asarray(np.fft.irfft(motion, size)[parts]),
-        np.asarray(np.fft.irfft(1j * omega * motion, size)[parts]),
-        math.sqrt(max(left, 0.0)),
+        np.asarray(np.fft.irfft(motion, size)[inside]),
+        np.asarray(np.fft.irfft(1j * omega * motion, size)[inside]),
+        math.sqrt(2.0 * float(np.sum(kept * noise)) / size**2),
     )
-
-
-def _noise(transform: ComplexArray, omega: Array) -> float:
-    """Return the power of the white noise in a `transform`, by what is quiet."""
-    quiet = np.abs(transform[omega > QUIET]) ** 2
-    return max(noise_level(quiet), 1e-18) if quiet.size else 1e-18
-
-
-def _fade(omega: Array) -> Array:
-    """Return the share of each frequency that is taken as heave: none below SLOWEST, all from half as much above."""
-    share = np.clip((omega / SLOWEST - 1.0) / 0.5, 0.0, 1.0)
-    return np.asarray(share * share * (3.0 - 2.0 * share))
-
-
-def _padded(heave: Array, rate: Array, padding: int, tick_period: float) -> tuple[Array, Array]:
-    """Return a motion and its rate with their mirror image at both ends, faded out: the ends of a record do not ring.
-
-    A rate turns round in the mirror, and has what the fading itself moves.
-    """
-    turn = math.pi * np.arange(padding) / max(padding, 1)
-    fade, slope = 0.5 * (1.0 - np.cos(turn)), 0.5 * math.pi / max(padding, 1) / tick_period * np.sin(turn)
-    first, last = slice(padding, 0, -1), slice(-2, -padding - 2, -1)
-    before = heave[first] * fade, -rate[first] * fade + heave[first] * slope
-    after = heave[last] * fade[::-1], -rate[last] * fade[::-1] - heave[last] * slope[::-1]
-    parts = zip(before, (heave, rate), after, strict=True)
-    padded, of_rate = (np.concatenate(part) for part in parts)
-    return padded, of_rate
 
 
 @dataclass(frozen=True)

@@ -9,8 +9,8 @@ give its readings back to the last bit.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field, replace
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 from types import MappingProxyType
 from typing import NamedTuple
 
@@ -29,7 +29,7 @@ from winch_controller_node.beliefs.beliefs import Beliefs
 from winch_controller_node.beliefs.drum import drum_of
 from winch_controller_node.core.component import WinchController
 from winch_controller_node.design.design import assumed_cable, assumed_plant
-from winch_controller_node.interface.readings import Measurements, Outputs, ScalarReading, WinchOrder, WinchReading
+from winch_controller_node.interface.readings import Measurements, Outputs, ScalarReading, WinchReading
 from winch_controller_node.node_parameters import WinchControllerParameters
 
 from heave_studies.whatif.record import Flags, SensorRecord
@@ -78,19 +78,6 @@ def scaled_line(line: AxialLine, factors: PlantFactors) -> AxialLine:
     return replace(line, sections=sections, unit=unit)
 
 
-def twin_stepper(line: AxialLine, length: float, start: Iterable[float], tick_period: float) -> AxialStepper:
-    """Return the twin of cable and unit.
-
-    Parameters
-    ----------
-    line : cable and unit
-    length : unstretched cable at payout 0 [m]
-    start : heave and its rate of the boom tip, payout and its rate at the first tick [m], [m/s]
-    tick_period : [s]
-    """
-    return AxialStepper(line, length, AxialInput(*start), segments=SEGMENTS, duration=tick_period, substeps=SUBSTEPS)
-
-
 @dataclass(frozen=True)
 class PlantMotion:
     """Motion of the plant at each tick."""
@@ -111,11 +98,18 @@ class Drive(NamedTuple):
     rate: Array  # of the cable at each tick (n,) [m/s]
     tick_period: float  # [s]
 
+    @property
+    def stepper(self) -> AxialStepper:
+        """Twin of cable and unit at the first tick."""
+        start = AxialInput(*(float(one[0]) for one in (self.tip.heave, self.tip.rate, self.payout, self.rate)))
+        return AxialStepper(
+            self.line, self.length, start, segments=SEGMENTS, duration=self.tick_period, substeps=SUBSTEPS
+        )
+
 
 def driven(drive: Drive) -> PlantMotion:
     """Return the motion of a plant under its `drive`."""
-    rows = np.column_stack((drive.tip.heave, drive.tip.rate, drive.payout, drive.rate))
-    stepper = twin_stepper(drive.line, drive.length, rows[0], drive.tick_period)
+    stepper, rows = drive.stepper, np.column_stack((drive.tip.heave, drive.tip.rate, drive.payout, drive.rate))
     table = np.vstack((stepper.state, stepper.follow(rows[1:])))
     return PlantMotion(*table.T.copy())
 
@@ -172,11 +166,6 @@ def winch_under(
     )
 
 
-def command_of(order: WinchOrder | None) -> WinchCommand | None:
-    """Return the command that an `order` of a controller is; None: there was none."""
-    return None if order is None else WinchCommand(order.sequence, order.payout, order.payout_rate, order.brake)
-
-
 @dataclass(frozen=True)
 class PastWinch:
     """What the drum did in a record."""
@@ -202,7 +191,8 @@ def past_winch(record: SensorRecord, parameters: WinchParameters, encoder_scale:
     twin = VirtualWinch(parameters, tick_period=dt)
     states = np.zeros((record.ticks, 3))
     for index in range(record.ticks - 1):
-        state = twin.step(record.first + index, command_of(record.orders[index]), record.tension[index])
+        order = record.orders[index]
+        state = twin.step(record.first + index, order and WinchCommand(*order), record.tension[index])
         states[index + 1] = state.payout, state.payout_rate, state.encoder_payout
     modelled, rate, as_read = states.T.copy()
     # what stands above the encoder's noise is what the model of the winch misses
@@ -212,101 +202,12 @@ def past_winch(record: SensorRecord, parameters: WinchParameters, encoder_scale:
     return PastWinch(parameters, modelled + missed, rate + np.gradient(missed, dt), modelled, rate, error)
 
 
-class Core:
-    """A controller that steps where that of a `record` did, and is given an adviser's answers that came in time there.
-
-    Parameters
-    ----------
-    record : whose ticks are stepped through
-    parameters : nominal, of the controller
-    has_adviser : it has one
-
-    Attributes
-    ----------
-    beliefs : newest answer of the adviser that came in time
-    """
-
-    def __init__(self, record: SensorRecord, parameters: WinchControllerParameters, *, has_adviser: bool) -> None:
-        dt, self._record = record.tick_period, record
-        self._controller = WinchController(parameters, tick_period=dt)
-        self._controller.skip_programme((record.first - 1) * dt)
-        self._adviser = Adviser(parameters, tick_period=dt) if has_adviser else None
-        self._outputs: Outputs | None = None
-        self.beliefs = Beliefs(asked=-1)
-
-    def step(self, index: int, given: Measurements) -> tuple[Outputs, WinchOrder | None]:
-        """Do the tick of an `index` with what is `given`; return what came of it, and the order, None in one left out.
-
-        What came of a tick that is left out is that of the tick before, without its alarms.
-        """
-        tick = self._record.first + index
-        if self._outputs is not None and self._record.orders[index] is None:
-            self._controller.leave_out(tick)
-            self._outputs = self._outputs._replace(alarms=(), observations=None)
-            return self._outputs, None
-        self._outputs = outputs = self._controller.step(tick, given)
-        observed = outputs.observations
-        if observed is not None and self._adviser is not None:
-            beliefs = self._adviser.advise(observed)
-            if observed.last not in self._record.late:
-                self.beliefs = beliefs
-                self._controller.take(beliefs)
-        return outputs, outputs.order
-
-
-REPRODUCED = 1e-9
-"""Orders that differ by less are the same [m/s]."""
-
-
-@dataclass(frozen=True)
-class Again:
-    """What the same controller makes of a record."""
-
-    beliefs: Beliefs  # of the adviser at the end; nominal where there was none
-    # time at which its orders or its mode are first other than those of the record [s]; infinite: never; NaN: not
-    # asked, as the record's controller was another one
-    parted: float
-    mode: str = ""  # mode there
-    was: str = ""  # mode in the record
-    alarms: tuple[tuple[float, Alarm], ...] = field(default=(), repr=False)  # that it raised, with their times [s]
-
-    @property
-    def is_same(self) -> bool:
-        """Return whether every order was given again."""
-        return math.isinf(self.parted)
-
-
-def observed_again(record: SensorRecord, parameters: WinchControllerParameters) -> Again:
-    """Have a controller of the active `parameters` read a `record` as it stands.
-
-    Parameters
-    ----------
-    record : of the sensors
-    parameters : nominal, of the run
-    """
-    core = Core(record, parameters, has_adviser=record.has_adviser)
-    parted, mode, was = math.inf, "", ""
-    alarms: list[tuple[float, Alarm]] = []
-    for index, given in enumerate(record.measurements):
-        outputs, order = core.step(index, given)
-        alarms += [(float(record.time[index]), alarm) for alarm in outputs.alarms]
-        ordered = record.orders[index]
-        is_other = (order is not None and ordered is not None) and (
-            order.brake != ordered.brake or not abs(order.payout_rate - ordered.payout_rate) <= REPRODUCED
-        )
-        if is_other and math.isinf(parted):
-            parted, mode, was = float(record.time[index]), outputs.mode, record.modes[index]
-    return Again(core.beliefs, parted, mode, was, tuple(alarms))
-
-
 @dataclass(frozen=True)
 class Past:
     """What a record has become: everything that another loop is closed over."""
 
     record: SensorRecord  # of the sensors
-    line: AxialLine  # cable and unit as identified
-    length: float  # of the cable at payout 0 [m]
-    tip: Tip  # the boom tip
+    drive: Drive  # cable and unit as identified, and what moved them
     winch: PastWinch  # what the drum did
     winch_parameters: WinchParameters  # what it is
     plant: PlantMotion  # motion of the twin under that
@@ -333,62 +234,78 @@ class Replayed:
 class Asked:
     """What is to be tried in a record."""
 
-    name: str  # of it, for tables
     controller: WinchControllerParameters  # parameters of the controller
     winch: WinchParameters | None = None  # parameters of the winch; None: as it is
     has_adviser: bool = True  # the loop identifies what is other than nominal, as on a ship
 
-
-COLUMNS = 6
-"""Columns of the table of a replay: payout, rate, set point, heave of the unit, tension, limits hit."""
+    @property
+    def law(self) -> str:
+        """Name of the law."""
+        return self.controller.law
 
 
 class Replay:
-    """A loop over a record; `step` does one tick.
+    """A loop over a record.
 
     Parameters
     ----------
     past : the record and its twins; None of the twins is asked while the orders are those of the record
     asked : what is tried in it
+
+    Attributes
+    ----------
+    is_other : its orders, or its winch, were other than those of the record
     """
 
     def __init__(self, past: Past, asked: Asked) -> None:
         record = past.record
-        dt, self._past, self._index = record.tick_period, past, 0
-        self._core = Core(record, asked.controller, has_adviser=asked.has_adviser)
+        dt, self._past = record.tick_period, past
+        self._controller = WinchController(asked.controller, tick_period=dt)
+        self._controller.skip_programme((record.first - 1) * dt)
+        self._adviser = Adviser(asked.controller, tick_period=dt) if asked.has_adviser else None
         self._winch = VirtualWinch(asked.winch or past.winch_parameters, tick_period=dt)
-        self._is_other = asked.winch is not None and asked.winch != past.winch_parameters
-        payout, rate = float(past.winch.payout[0]), float(past.winch.rate[0])
-        start = (past.tip.heave[0], past.tip.rate[0], payout, rate)
-        self._plant = twin_stepper(past.line, past.length, start, dt)
+        self.is_other = asked.winch is not None and asked.winch != past.winch_parameters
+        self._payout, self._rate = float(past.winch.payout[0]), float(past.winch.rate[0])
+        self._plant = past.drive.stepper
         # differences of the twins at each tick: heave, velocity and acceleration of the unit, tension, payout, its rate
         self._differences = np.zeros((record.ticks, 6))
-        self._payout, self._rate = payout, rate
 
-    def step(self) -> tuple[Outputs, Array]:
-        """Do one tick; return what the controller gave and the row of it, `COLUMNS` of them."""
-        index, past = self._index, self._past
-        tick = past.record.first + index
-        given = past.record.measurements[index]
-        outputs, order = self._core.step(index, self._as_read(given, index) if self._is_other else given)
-        was = past.record.orders[index]
-        self._is_other |= was is not None and order is not None and order != was
-        unit, _, tension, _ = self._plant.state
-        limits = self._winch.state.limits_hit if self._is_other else past.record.limits_hit[index]
-        row = np.array([self._payout, self._rate, outputs.depth_set_point, unit, tension, int(limits)])
-        if index + 1 < past.record.ticks:
-            self._advance(self._winch.step(tick, command_of(order), tension), index + 1)
-        self._index += 1
-        return outputs, row
+    def run(self) -> Replayed:
+        """Run to the end of the record."""
+        record, rows, modes = self._past.record, [], []
+        alarms: list[tuple[float, Alarm]] = []
+        for index in range(record.ticks):
+            outputs = self._step(index)
+            modes.append(outputs.mode)
+            alarms += [(float(record.time[index]), alarm) for alarm in outputs.alarms]
+            unit, _, tension, _ = self._plant.state
+            limits = self._winch.state.limits_hit if self.is_other else record.limits_hit[index]
+            rows.append((self._payout, self._rate, outputs.depth_set_point, unit, tension, int(limits)))
+            if index + 1 < record.ticks:
+                order = WinchCommand(*outputs.order)
+                self._advance(self._winch.step(record.first + index, order, tension), index + 1)
+        payout, rate, point, unit, tension, limits = np.array(rows).T.copy()
+        motions = (payout, rate, point, unit, tension)
+        return Replayed(record.time, *motions, tuple(modes), tuple(alarms), limits.astype(int))
+
+    def _step(self, index: int) -> Outputs:
+        """Let the controller do the tick of an `index`, and its adviser answer."""
+        record = self._past.record
+        given, was = record.measurements[index], record.orders[index]
+        outputs = self._controller.step(record.first + index, self._as_read(given, index) if self.is_other else given)
+        if outputs.observations is not None and self._adviser is not None:
+            self._controller.take(self._adviser.advise(outputs.observations))
+        self.is_other |= was is not None and outputs.order != was
+        return outputs
 
     def _advance(self, winch: WinchState, index: int) -> None:
         """Take the plant to the next tick, of an `index`, under what the winch has become, and note the differences."""
         past = self._past
-        is_other = self._is_other
+        is_other = self.is_other
         extra = winch.payout - past.winch.modelled[index] if is_other else 0.0
         extra_rate = winch.payout_rate - past.winch.modelled_rate[index] if is_other else 0.0
         self._payout, self._rate = past.winch.payout[index] + extra, past.winch.rate[index] + extra_rate
-        heave, heave_rate = float(past.tip.heave[index]), float(past.tip.rate[index])
+        heave, heave_rate = float(past.drive.tip.heave[index]), float(past.drive.tip.rate[index])
         self._plant.advance(AxialInput(heave, heave_rate, float(self._payout), float(self._rate)))
         unit, velocity, tension, _ = self._plant.state
         row, dt = self._differences[index], past.record.tick_period
@@ -436,39 +353,11 @@ MOVED = {"depth": (0, -1.0), "velocity": (1, 1.0), "imu": (2, 1.0), "load_cell":
 
 def replay(past: Past, asked: Asked) -> Replayed:
     """Return what the loop that is `asked` for would have done over the whole of `past`."""
-    loop, ticks = Replay(past, asked), past.record.ticks
-    table = np.empty((ticks, COLUMNS))
-    modes: list[str] = []
-    alarms: list[tuple[float, Alarm]] = []
-    for index in range(ticks):
-        outputs, table[index] = loop.step()
-        modes.append(outputs.mode)
-        alarms += [(float(past.record.time[index]), alarm) for alarm in outputs.alarms]
-    payout, rate, set_point, unit, tension, limits = table.T.copy()
-    return Replayed(
-        past.record.time,
-        payout,
-        rate,
-        set_point,
-        unit,
-        tension,
-        tuple(modes),
-        tuple(alarms),
-        limits.astype(int),
-    )
+    return Replay(past, asked).run()
 
 
 def locked(record: SensorRecord, drive: Drive) -> Replayed:
     """Return what the winch at its mean payout would have been in a `record`, under that `drive`."""
-    ticks, set_point, motion = record.ticks, drive.payout, driven(drive)
-    return Replayed(
-        record.time,
-        set_point,
-        drive.rate,
-        set_point,
-        motion.unit,
-        motion.tension,
-        ("off",) * ticks,
-        (),
-        np.zeros(ticks, dtype=int),
-    )
+    motion, never = driven(drive), np.zeros(record.ticks, dtype=int)
+    rows = (drive.payout, drive.rate, drive.payout, motion.unit, motion.tension)
+    return Replayed(record.time, *rows, ("off",) * record.ticks, (), never)
