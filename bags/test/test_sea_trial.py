@@ -5,8 +5,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from heave_bags.analyse import analysis, kpi_set
-from heave_bags.analyse.kpi_set import MOTIONS_OF, source_of
+from heave_bags.analyse import analysis
+from heave_bags.analyse.kpi_set import source_of
 from heave_bags.analyse.read_run import read_run
 from heave_bags.analyse.reading.unit_height import measured_height
 from heave_bags.mcap.bag_writer import BagWriter
@@ -93,11 +93,6 @@ def test_a_figure_is_as_certain_as_the_least_certain_of_its_motions():
     assert source_of("unit_efficiency", sources) == "estimated"
     assert source_of("unit_sigma_m", sources) == "true"
     assert source_of("missed_deadlines", sources) == ""
-
-
-def test_every_name_of_a_figure_with_a_source_is_one():
-    assert set(MOTIONS_OF) <= set(kpi_set.DEFINITION_OF)
-    assert all(MOTIONS_OF.values())
 
 
 def test_a_depth_sensor_in_air_leaves_the_height_to_the_drum():

@@ -89,17 +89,6 @@ def test_the_share_that_is_done_stands_before_what_is_going_on_and_says_of_what_
     assert stream.getvalue() == " 25 % done  150.0 s of 600 s  compensating\n"
 
 
-@pytest.mark.parametrize("columns", [60, 80, 200])
-def test_the_share_that_is_done_is_seen_in_a_narrow_terminal_too(monkeypatch, columns):
-    monkeypatch.setenv("TERM", "xterm")
-    monkeypatch.setenv("COLUMNS", str(columns))
-    stream = Terminal()
-    with ProgressLine(stream) as progress:
-        progress.show("150.0 s of 600 s  compensating, load 0.66 cm rms, efficiency 97.7 %" * 2, 0.25)
-    assert "25 % done" in stream.getvalue()
-    assert "150.0 s of" in stream.getvalue()
-
-
 @pytest.mark.parametrize("columns", [80, 200])
 def test_mode_residual_and_efficiency_of_a_long_run_fit_into_a_narrow_terminal(monkeypatch, columns):
     monkeypatch.setenv("TERM", "xterm")

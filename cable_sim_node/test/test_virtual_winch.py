@@ -16,7 +16,7 @@ from cable_sim_node.winch.parameters import EncoderParameters, WinchDriftParamet
 from heave_drives.parameters import ElectricParameters, SpoolParameters
 from heave_node.interface.codes import WinchFault, WinchLimit, WinchRelease
 from heave_node.interface.faults import FaultParameters
-from heave_node.winch.position_loop import highest_position_gain
+from heave_node.winch.parameters import highest_position_gain
 from hypothesis import given, settings
 from hypothesis import strategies as st
 

@@ -1,1 +1,1 @@
-"""The controller's tick in C++: its layout, and the library by ctypes."""
+"""The controller's tick in C++ (read `src/tick.cpp` first; `page.py` lists the files), its layout and its library."""

@@ -9,12 +9,13 @@ from heave_core.layout import ENUMERATIONS
 HEAD = """# The core's layout
 
 `heave_core` is the compiled part of the controller's tick: C++17 without libraries, allocation, exceptions, clocks or
-text. One table, `heave_core.layout`, generates the C++ structures, the numpy types through which Python reads and
-writes the same memory, and this page. `python -m heave_core.layout` prints the C++ header: meaning of every structure,
-unit and meaning of every field.
+text. One table, `heave_core.layout`, generates the C++ structures, numpy types on the same memory, and this page.
+`python -m heave_core.layout` prints the C++ header: unit and meaning of every field. `winch_controller_node` fills each
+`...Design` from its parameters and makes alarms of `News`, `Happened`, `LoadNews`.
 
 | file in `core/heave_core/src/` | what it does |
 |---|---|
+| `tick.cpp` | a whole tick: read it first |
 | `envelope.cpp` | limits commands, takes over, brakes: [the envelope](guide/controller/envelope.md) |
 | `ship.cpp`, `drum.cpp`, `move.cpp` | raw readings; nominal drum, driven by the commands sent; requested move |
 | `filter.cpp`, `filter_model.cpp`, `filter_steps.cpp` | Kalman filter: gates, late readings, drag, slack cable |
@@ -22,7 +23,6 @@ unit and meaning of every field.
 | `servo.cpp` | simulates a drum driven by the set-points sent, to predict its encoder |
 | `drum_watch.cpp` | compares commands and encoder over the last seconds to find a faulty drum or encoder |
 | `winch_watch.cpp` | late commands, silent winch, reduced gain while the drum is off its prediction |
-| `tick.cpp` | a tick as a whole, in one call: the order of its parts, and where it waits for Python |
 | `look.cpp` | motions of boom tip and drum, and of loads simulated with the winch locked and turning |
 | `sense.cpp` | first half of a tick: readings, gates, filter, motions |
 | `sensor_gate.cpp` | checks each sensor: not a number, bad time stamp, frozen value |
@@ -44,7 +44,7 @@ unit and meaning of every field.
 | `statistics.cpp`, `trend.cpp` | running standard deviations and amplitudes; straight-line fit |
 | `landing.cpp` | detects touchdown and lift-off |
 | `kpi.cpp` | figures of merit over a rolling window |
-| `act.cpp` | second half of a tick: command, mean payout, set-points, envelope |
+| `act.cpp` | second half of a tick: command, mean payout, set-points, envelope, load checks |
 | `load_watch.cpp` | detects slack cable, high tension, an overloaded rope, a winch at its limits |
 | `laws.cpp` | linear feedback; checks whether a plan keeps the limits without correction |
 | `governor.cpp` | limits every command to what the winch can do |
@@ -57,11 +57,11 @@ The C interface is `interface.cpp`. `heave_core_layout` and `heave_core_size` le
 layout. A tick is one function, `heave_core_tick`. It returns early where something has happened (`Stage`): a sensor has
 failed, the mode has changed, the law needs a plan. Python does its part and calls again. Each sudden change of the
 state has a function too (`..._begin`, `..._continue_...`, `..._allow_...`). Python calls them through ctypes and
-releases the interpreter lock. To save a part at a tick, copy its state.
+releases the interpreter lock.
 """
 
 
-ORDER = ("Gate", "Harm", "Cause", "Happened", "Asks")
+ORDER = ("Gate", "Harm", "Cause", "Happened", "Asks", "LoadNews")
 """Names of numbers in the order of a controller on a PLC (`controller.h`)."""
 
 NUMBERS = """## Numbers

@@ -1,4 +1,4 @@
-"""The table of what is watched: landing, the rolling window of the figures of merit, drum, winch and its link."""
+"""The table of what is watched: landing, figures of merit, drum and link, nominal load; load, rope and winch."""
 
 from __future__ import annotations
 

@@ -34,7 +34,10 @@ _SEA = (
 _CRANE = ("boom_length", "jib_length", "offset", "slew", "luff", "knuckle", "extension")
 _COURSE = ("heading", "speed")
 _MRU = ("noise", "rate_noise", "high_pass_period", "latency")
-_UNIT_SENSORS = ("depth", "velocity", "imu", "load_cell")
+_SENSORS = (
+    *(f"{sensor}.{what}" for sensor in ("depth", "velocity", "load_cell") for what in ("noise", "rate", "latency")),
+    *("imu.rate", "imu.latency"),
+)
 
 
 @dataclass(frozen=True)
@@ -84,11 +87,7 @@ SHARED: tuple[Shared, ...] = (
         _shared(f"sensors.mru.{name}", wave_vessel=f"mru.{name}", winch_controller=f"sensors.mru.{name}")
         for name in _MRU
     ),
-    *(
-        _shared(name, cable_sim=name, winch_controller=name)
-        for sensor in _UNIT_SENSORS
-        for name in (f"sensors.{sensor}.{what}" for what in ("noise", "rate", "latency"))
-    ),
+    *(_shared(f"sensors.{one}", cable_sim=f"sensors.{one}", winch_controller=f"sensors.{one}") for one in _SENSORS),
 )
 """The one table of shared names."""
 

@@ -5,8 +5,7 @@ import math
 
 import pytest
 from heave_node.ros.diagnostics import Level
-from heave_node.ros.input_timing import TickTiming
-from heave_node.ros.tracing import LIBRARY, TickTrace
+from heave_node.ros.input_timing import LIBRARY, TickTiming, TickTrace
 from heave_node.run_parameters import RunParameters
 from heave_node.tick.time_budget import TimeBudget
 

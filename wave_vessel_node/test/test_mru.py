@@ -154,14 +154,6 @@ def test_a_gap_loses_samples_and_their_numbers():
     assert readings[14].sequence == 15
 
 
-def test_a_freeze_holds_the_value_while_stamps_go_on():
-    readings = run(MruParameters(faults=fault("freeze", 0.5, 0.5)), 40, sine(1.0))
-    frozen = readings[9:19]
-    assert {(r.heave, r.heave_rate) for r in frozen} == {(readings[8].heave, readings[8].heave_rate)}
-    assert len({r.time for r in frozen}) == 10
-    assert readings[20].heave != frozen[0].heave
-
-
 def test_a_spike_is_one_wrong_reading():
     readings = run(MruParameters(faults=fault("spike", 0.5, magnitude=3.0), **SILENT), 20)
     assert [round(reading.heave, 9) for reading in readings].count(3.0) == 1
@@ -237,14 +229,6 @@ def test_jitter_makes_readings_late_and_keeps_their_stamps():
     assert all(reading.heave == pytest.approx(math.sin(0.7 * reading.time)) for _, reading in came)
     stamps = [reading.time for _, reading in came]
     assert stamps == sorted(set(stamps))
-
-
-def test_what_holds_can_be_cleared():
-    unit = MotionReferenceUnit(MruParameters(**SILENT), seed=1, tick_period=DT)
-    unit.faults.inject("gap", start=0.0)
-    assert run(None, 3, unit=unit) == [None] * 3
-    unit.faults.inject("clear", start=4 * DT)
-    assert run(None, 1, unit=unit, first=4) != [None]
 
 
 def test_faults_do_not_change_the_noise_of_other_readings():

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from heave_msgs.msg import PointMotion as PointMotionMessage
 from heave_msgs.msg import SeaState
-from heave_node.interface import topics
 from heave_node.numerics.kinematics import PointMotion
 from heave_node.tick.tick import Tick, stamp_of
 from nav_msgs.msg import Odometry
@@ -56,21 +55,6 @@ def test_the_sea_state_message_holds_the_target_spectrum():
     assert 4 * math.sqrt(np.trapezoid(message.spectral_density, message.angular_frequency)) == pytest.approx(
         2.0, rel=0.02
     )
-
-
-def test_the_node_publishes_every_topic_that_is_its_own():
-    own = {topic.name for topic in topics.ALL_TOPICS if topic.publisher == node.WaveVesselNode.name}
-    assert own == {
-        "sea_state",
-        "sea_state_estimate",
-        "wave_components",
-        "wave_elevation",
-        "vessel/odometry",
-        "boom_tip",
-        "mru",
-        "vessel/heave_preview",
-        "crane/pose",
-    }
 
 
 class Steps(list):

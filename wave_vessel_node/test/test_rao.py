@@ -1,6 +1,5 @@
 import math
 import os
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -20,8 +19,6 @@ from wave_vessel_node.vessel.rao_files import (
     write_rao_csv,
 )
 from wave_vessel_node.vessel.second_order import SecondOrderVessel
-
-import wave_vessel_node
 
 HEAVE, ROLL, PITCH = 2, 3, 4
 OMEGA = np.linspace(0.2, 2.0, 10)
@@ -200,13 +197,6 @@ def boom_tip_heave_response(table, omega, heading, speed, arm):
 def test_a_fit_without_energy_is_refused():
     with pytest.raises(RaoError, match="where the sea has energy"):
         fit_vessel(np.linspace(0.2, 2.0, 20), np.zeros(20), Bretschneider(2.0, 8.0))
-
-
-def test_the_shipped_table_says_where_it_comes_from():
-    path = Path(wave_vessel_node.__file__).parent / "data" / "wigley_90m.csv"
-    comments = [line for line in path.read_text().splitlines() if line.startswith("#")]
-    assert any("Capytaine" in line for line in comments)
-    assert any("compute_hull_rao.py" in line for line in comments)
 
 
 def test_a_vessel_on_its_course_is_the_table_at_its_heading_and_reads_its_file_once(tmp_path, monkeypatch):

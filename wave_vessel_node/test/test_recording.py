@@ -8,8 +8,7 @@ from mcap.writer import Writer
 from rclpy.serialization import serialize_message
 from wave_vessel_node.component import WaveVessel
 from wave_vessel_node.parameters import WaveVesselParameters
-from wave_vessel_node.sources.recorded import RecordedSource
-from wave_vessel_node.sources.recording import RecordingError, read_recording
+from wave_vessel_node.sources.recording import RecordedSource, RecordingError, read_recording
 
 DT = 0.05
 TIME = np.arange(0.0, 120.0, 0.1)

@@ -7,12 +7,11 @@ import sys
 import pytest
 from heave_node.parameters import describe
 from wave_vessel_node.component import WaveVessel
-from wave_vessel_node.parameters import SeaParameters, ShapingFilterParameters, WaveVesselParameters
+from wave_vessel_node.parameters import SeaParameters, WaveVesselParameters
+from wave_vessel_node.registries import FILTER_FORMS, SPECTRA
 from wave_vessel_node.sea.sea import named_spectrum
 from wave_vessel_node.sea.shaping_filter import shaping_filter
 from wave_vessel_node.sea.spectra import Bretschneider
-from wave_vessel_node.sea_registry import FILTER_FORMS, SPECTRA
-from wave_vessel_node.source_registry import SOURCES
 
 CHOICES = {info.name: info.choices for info in describe(WaveVesselParameters)}
 
@@ -29,23 +28,10 @@ def test_every_filter_form_gives_an_elevation(form):
     assert shaping_filter(Bretschneider(2.0, 9.0), form).output_names == ("wave_elevation",)
 
 
-@pytest.mark.parametrize("name", list(SOURCES))
-def test_every_source_loads(name):
-    assert callable(SOURCES[name].load())
-
-
-def test_choices_are_the_lines_of_the_registries():
-    assert CHOICES["boom_tip_source"] == tuple(SOURCES)
-    assert CHOICES["spectrum"] == (*SPECTRA, "file")
-    assert CHOICES["filter.form"] == ("auto", *FILTER_FORMS)
-    assert describe(ShapingFilterParameters)[0].choices == CHOICES["filter.form"]
-    assert describe(SeaParameters)[0].choices == tuple(SPECTRA)
-
-
 def test_a_line_more_is_a_choice_a_help_and_a_sea():
     program = """
-from heave_node.registry import Entry
-from wave_vessel_node.sea_registry import SPECTRA
+from wave_vessel_node.registries import Entry
+from wave_vessel_node.registries import SPECTRA
 SPECTRA["own"] = Entry("wave_vessel_node.sea.spectra:Bretschneider", "for a test")
 from heave_node.parameters import build_parameters, describe
 from wave_vessel_node.component import WaveVessel

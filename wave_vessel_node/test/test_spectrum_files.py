@@ -5,6 +5,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from wave_vessel_node.parameters import WaveVesselParameters
+from wave_vessel_node.sea.sea import build_spectrum
 from wave_vessel_node.sea.spectra import Bretschneider
 from wave_vessel_node.sea.spectrum_files import SpectrumFileError, read_spectra
 
@@ -141,9 +143,11 @@ def test_a_missing_file_a_binary_one_and_a_broken_archive_are_refused(tmp_path):
         read_spectra(tmp_path / "c.txt.gz")
 
 
-def test_a_record_beyond_the_last_is_refused():
-    with pytest.raises(SpectrumFileError, match="no record 4: the file has records 0 to 3"):
-        read_spectra(REAL_TIME).select(4)
+def test_the_sea_is_the_first_record_of_its_file_or_that_of_its_time():
+    file, named = read_spectra(REAL_TIME), {"spectrum": "file", "spectrum_file": str(REAL_TIME)}
+    for record, time in ((file.records[0], ""), (file.records[2], file.records[2].time.isoformat())):
+        found = build_spectrum(WaveVesselParameters(**named, spectrum_time=time), [])
+        assert found.significant_wave_height == record.spectrum.significant_wave_height
 
 
 def test_a_record_is_found_by_its_time():

@@ -17,8 +17,8 @@ from heave_node.numerics.kinematics import PointMotion, smooth_ramp
 from wave_vessel_node.mru.mru import MotionReferenceUnit, high_pass_response
 from wave_vessel_node.mru.sea_state_estimate import SeaStateEstimate, SeaStateEstimator
 from wave_vessel_node.parameters import WaveVesselParameters
+from wave_vessel_node.registries import SOURCES
 from wave_vessel_node.sea.sea import SeaState, describe_sea
-from wave_vessel_node.source_registry import SOURCES
 from wave_vessel_node.sources.layers import ChangingSource, RampedSource, weighted
 from wave_vessel_node.sources.motion_source import MotionSource, block_from
 from wave_vessel_node.sources.preview import PreviewSource

@@ -9,11 +9,17 @@ from heave_node.crane.kinematics import JOINTS, CraneParameters
 from heave_node.files.plausible import breaking_words
 from heave_node.interface.faults import FaultParameters, MruFaultParameters
 from heave_node.parameters import group, parameter
-from heave_node.registry import describe_choices
 from heave_node.sensing.view import SensorParameters, View
 
-from wave_vessel_node.sea_registry import AUTO, FILTER_FORMS, NEED_NO_PERIOD, SPECTRA, SPECTRUM_FILE
-from wave_vessel_node.source_registry import SOURCES
+from wave_vessel_node.registries import (
+    AUTO,
+    FILTER_FORMS,
+    NEED_NO_PERIOD,
+    SOURCES,
+    SPECTRA,
+    SPECTRUM_FILE,
+    describe_choices,
+)
 
 if TYPE_CHECKING:
     from heave_node.numerics.arrays import Array
@@ -29,6 +35,7 @@ class VesselAnswer:
     model: str = parameter("second_order",
         description="second_order (thesis Eq. 6.25), rao (table, 6 DOF; the controller uses fitted), fitted (second "
         "order, fitted to the table), direct.", choices=VESSEL_MODELS)  # fmt: skip
+    gain: float = parameter(1.0, "", 1e-3, 10.0, "K_v: boom-tip heave per wave elevation at low frequency.")
     natural_frequency: float = parameter(0.9, "rad/s", 0.01, 10.0, "omega_v of the second-order vessel.")
     damping_ratio: float = parameter(0.4, "", 0.01, 5.0, "xi_v of the second-order vessel.")
     rao_file: str = parameter("",
@@ -43,7 +50,6 @@ class VesselAnswer:
 class VesselParameters(VesselAnswer):
     """How the vessel answers the sea."""
 
-    gain: float = parameter(1.0, "", 1e-3, 10.0, "K_v: boom-tip heave per wave elevation at low frequency.")
     pitch_gain: float = parameter(0.0, "", 0.0, 5.0,
         "Pitch of the second-order vessel per wave slope at low frequency (odometry, lever-arm error).")  # fmt: skip
 
@@ -178,7 +184,7 @@ class SwellParameters:
 
 @dataclass(frozen=True)
 class SeaParameters:
-    """A sea that a few numbers describe; which spectrum takes which of them: see `sea_registry`."""
+    """A sea that a few numbers describe; which spectrum takes which of them: see `registries`."""
 
     spectrum: str = parameter("bretschneider",
         description=f"Spectrum of the sea: {describe_choices(SPECTRA)}.", choices=tuple(SPECTRA))  # fmt: skip

@@ -1,6 +1,7 @@
 """The blocks of the controller's model."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -8,7 +9,7 @@ from heave_node.numerics.linear_model import ModelError, interconnect, is_stable
 from heave_node.parameters import build_parameters
 from wave_vessel_node.parameters import WaveVesselParameters
 from wave_vessel_node.sources.scene import build_scene
-from winch_controller_node.interface.sensors import MruModelParameters
+from winch_controller_node.interface.sensors import LEAST_NOISE, KnownSensors, MruModelParameters
 from winch_controller_node.model.blocks import CableModel, cable_block, mru_block, winch_block
 from winch_controller_node.model.models import boom_tip_block, boom_tip_response, sea_spectrum, shadow_model
 from winch_controller_node.parameters.model import SeaModelParameters, VesselModelParameters, WinchModelParameters
@@ -79,3 +80,10 @@ def test_raos_that_cannot_be_read_are_refused_with_the_parameter():
     vessel = VesselModelParameters(model="fitted", rao_file="no_such.csv")
     with pytest.raises(ModelError, match=r"vessel\.rao_file: no_such\.csv: no such file"):
         boom_tip_block(SeaModelParameters(), vessel)
+
+
+def test_a_sensor_that_is_stated_as_perfect_is_given_some_noise():
+    perfect = {"noise": 0.0, "rate_noise": 0.0, "model_error": 0.0}
+    for sensor in KnownSensors().by_name().values():
+        known = {name: value for name, value in perfect.items() if hasattr(sensor, name)}
+        assert {row.sigma for row in replace(sensor, **known).rows()} == {LEAST_NOISE}

@@ -1,7 +1,7 @@
 """The figures of merit (KPIs) of one run: each is one entry of one table, with its key, words, unit and formula.
 
-To add a KPI, add an entry to KPI_DEFINITIONS: evaluation, JSON, text tables and the report follow it. Pure numpy; the
-formulas are those of `heave_node.kpi`.
+To add a KPI, add an entry to KPI_DEFINITIONS, and the motions that it is made from to MOTIONS_OF: evaluation, JSON,
+text tables and the report follow. Pure numpy; the formulas are those of `heave_node.kpi`.
 """
 
 from __future__ import annotations

@@ -13,7 +13,7 @@ from pathlib import Path
 from cable_sim_node.alarms import ALARMS as PLANT
 from heave_bags.record.session import ALARMS as RECORDER
 from heave_node.extras import extra_parts
-from heave_node.interface.alarm import NODE_ALARMS, AlarmRow, AlarmTable
+from heave_node.interface.alarm import NODE_ALARMS, AlarmRow, AlarmTable, Severity
 from wave_vessel_node.alarms import ALARMS as VESSEL
 from winch_controller_node.core.estimation.sense_design import BACK_TIME
 from winch_controller_node.core.supervision.modes import WAIT
@@ -71,15 +71,33 @@ def _loss_table() -> str:
 
 
 COLUMNS = ("code", "severity", "what is wrong", "consequence", "action")
+ENTRIES = "Log entries"
+ENTRY_HEADS = {"code": "code", "what is wrong": "what is logged", "consequence": "consequence", "action": "check"}
+"""Headings of the entries of the log, by those of COLUMNS that they have."""
 
 
 def page() -> str:
-    """Return the page as Markdown: a table for each package."""
+    """Return the page as Markdown: the alarms of each package, then the entries of the log of all."""
     parts = [HEAD.read_text(encoding="utf-8").format(**VALUES, loss_table=_loss_table())]
     for title, table in TABLES.items():
-        rows = [COLUMNS, ("---",) * len(COLUMNS), *map(_cells, _grouped(table.values()))]
-        parts.append(f"## {title}\n\n{_lines([rows[0], *map(_beside, rows, rows[1:])])}\n")
+        parts.append(
+            _section(
+                title,
+                dict(zip(COLUMNS, COLUMNS, strict=True)),
+                [row for row in table.values() if row.severity > Severity.EVENT],
+            )
+        )
+    entries = [row for table in TABLES.values() for row in table.values() if row.severity == Severity.EVENT]
+    parts.append(_section(ENTRIES, ENTRY_HEADS, entries))
     return "\n".join(parts)
+
+
+def _section(title: str, heads: Mapping[str, str], rows: Iterable[AlarmRow]) -> str:
+    """Return a `title` and the table of its `rows`, with the columns of `heads`, each with its heading."""
+    table = [COLUMNS, *map(_cells, _grouped(rows))]
+    shown = [COLUMNS.index(name) for name in heads]
+    chosen = [tuple(row[at] for at in shown) for row in map(_beside, table, table[1:])]
+    return f"## {title}\n\n{_lines([tuple(heads.values()), ('---',) * len(heads), *chosen])}\n"
 
 
 def _beside(above: tuple[str, ...], row: tuple[str, ...]) -> tuple[str, ...]:

@@ -18,8 +18,7 @@ from heave_node.numerics.constants import STANDARD_GRAVITY
 from heave_node.parameters import ParameterError
 from wave_vessel_node.component import WaveVessel
 from wave_vessel_node.parameters import WaveVesselParameters
-from wave_vessel_node.sea_registry import NEED_NO_PERIOD, SPECTRUM_FILE
-from wave_vessel_node.source_registry import SOURCES
+from wave_vessel_node.registries import NEED_NO_PERIOD, SOURCES, SPECTRUM_FILE
 from winch_controller_node.design.design import check_inputs
 from winch_controller_node.model.lqr import DesignError
 from winch_controller_node.parameters.model import VesselModelParameters

@@ -6,8 +6,7 @@ from dataclasses import dataclass
 
 from heave_node.interface.faults import EncoderFaultParameters, FaultParameters, WinchFaultParameters
 from heave_node.parameters import Checked, check_ranges, group, parameter
-from heave_node.winch.parameters import WinchFigures
-from heave_node.winch.position_loop import check_position_gain
+from heave_node.winch.parameters import WinchFigures, check_position_gain
 
 from cable_sim_node.winch.installed_drives import (
     SERVO,

@@ -228,7 +228,8 @@ HeaveOrder ordered(const Memory &m) {
     const double lowered = m.motion.mean.payout + m.motion.left_over.payout;
     const double depth = m.has_begun || std::isnan(m.first_count) ? lowered : m.first_count;
     return {done.payout, done.rate, done.mean_payout, depth, done.brake != 0.0, m.number, m.mode.mode, int(m.decided.gates),
-            m.controlled.authority, int(m.tick.lost_sensors), m.attempts.harm, m.cause, int(m.decided.happened), int(m.controlled.asks)};
+            m.controlled.authority, int(m.tick.lost_sensors), m.attempts.harm, m.cause, int(m.decided.happened), int(m.controlled.asks),
+            int(done.load_news)};
 }
 
 void step(Memory &m, const HeaveReading *readings, int count, const HeaveWinch &winch) {

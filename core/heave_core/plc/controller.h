@@ -56,6 +56,7 @@ typedef struct {
     double authority;              /* of compensation, 0 to 1 */
     int lost_sensors, harm, cause; /* bits of sensors; Harm; Cause: why the envelope has taken over */
     int happened, asks;            /* Happened; Asks: NEEDS_PLAN: at the limits, and no plan is made */
+    int load_news;                 /* LoadNews: what has just begun with load, rope and travel */
 } HeaveOrder;
 
 /* Bytes of a controller's memory, to be aligned as a double is. */

@@ -1,7 +1,8 @@
 /* Do the cycles of a recorded run, and write their orders: `replay RUN ORDERS`, on a machine, or in an emulator of another.
 
    A cycle of RUN is the number of its readings, these, and what the drive has reported; all numbers are doubles, in the
-   order of controller.h. A cycle of ORDERS is payout, rate, brake, mode and authority. */
+   order of controller.h. A cycle of ORDERS is payout, rate, brake, mode, authority and
+   what has begun with the load. */
 #include "controller.h"
 
 #include <stdio.h>
@@ -30,7 +31,7 @@ int main(int argc, char **argv)
         if (fread(winch, sizeof winch, 1, run) != 1) return 3;
         const HeaveWinch reported = winch_of(winch);
         heave_controller_step(controller, readings, (int)wanted, &reported, &order);
-        const double found[] = {order.payout, order.rate, order.brake, order.mode, order.authority};
+        const double found[] = {order.payout, order.rate, order.brake, order.mode, order.authority, order.load_news};
         if (fwrite(found, sizeof found, 1, orders) != 1) return 4;
     }
     return fclose(orders) ? 4 : 0;

@@ -1,5 +1,5 @@
 // The acting half of a tick: the command of the laws, the mean payout, the set-points, the envelope in front of the winch,
-// the place that a drive is to follow, and what is noted of the tick.
+// the checks of load and travel, the place that a drive is to follow, and what is noted of the tick.
 #include "act.h"
 
 namespace heave {

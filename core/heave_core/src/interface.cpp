@@ -19,10 +19,10 @@ long long heave_core_size(int structure) {
 // A tick, from a stage of it on, on addresses that Python fills once; returns the stage at which it is to be called again.
 int heave_core_tick(const heave::Control *on, int from) { return heave::control(*on, from); }
 
-// Begin: the brake is on, and nothing was read yet.
+// The envelope begins: the brake is on, and nothing was read yet.
 void heave_core_begin(heave::State *state) { heave::begin_envelope(*state); }
 
-// One tick: readings and the controller's order in, the order that leaves out.
+// The envelope alone for a tick: raw readings and the controller's order in, the order that leaves out.
 void heave_core_envelope(const heave::Design *design, heave::State *state, const heave::Readings *readings, heave::Order *order) {
     heave::envelope(*design, *state, *readings, *order);
 }

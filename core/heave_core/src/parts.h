@@ -1,4 +1,5 @@
-// The parts of a tick, each a function of the structures of layout.h. Nothing here allocates, throws or reads a clock.
+// The envelope, the last part of a tick: Design, State, Readings and Order are its own; the whole tick is in tick.cpp.
+// Nothing in this library allocates, throws or reads a clock.
 #pragma once
 
 #include <algorithm>

@@ -299,6 +299,7 @@ double mean_command(const SenseDesign &design, const MeanMotion &motion) {
     return rate + design.lag * (motion.mean.move.slope + motion.carried.move.slope) + design.position_gain * payout;
 }
 
+// The sensing half of a tick.
 void look_at(const Core &core, const LookAt &given, const Delivered *delivered, const Room &room, Tick &tick) {
     remember_share(core.state, given.number, core.motion.state, core.look.order);
     const DrumRate rate = drum_rate(core, given);

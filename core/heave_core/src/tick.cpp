@@ -1,5 +1,6 @@
-// A tick of the controller, from the readings to the order that leaves: sense, proofs, winch watch, supervision, command,
-// envelope, in this order. Where Python has something to do it comes back, and is called again from there.
+// A tick of the controller, from the readings to the order that leaves: sense (sense.cpp), proofs, winch watch, supervision
+// (supervise.cpp), command, envelope, and the alarms of the load (`leave` in act.cpp), in this order. `control`, at the end,
+// is the entry. Where Python has something to do it comes back, and is called again from there.
 #include "tick.h"
 
 namespace heave {
@@ -239,7 +240,7 @@ int control(const Control &on, int from) {
         case MAKE:
             make(on.acting);
             break;
-        default: break;
+        default: break;  // SEND
     }
     send(on);
     return DONE;

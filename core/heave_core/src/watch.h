@@ -1,4 +1,4 @@
-// What is watched beside the loop: landing, and the rolling window of the figures of merit.
+// What is watched beside the loop: landing, figures of merit, drum and link, nominal load; alarms of load, rope and winch.
 #pragma once
 
 #include "look.h"

@@ -10,8 +10,10 @@ import numpy as np
 import pytest
 from heave_bringup.closed_loop import ClosedLoop, loop_parameters
 from heave_bringup.scenarios import load_scenario
+from heave_core.watch_table import LoadNews
 from heave_fmu.compiled.build import compile_sources, controller_sources
 from heave_fmu.compiled.image import leave_out_plans
+from winch_controller_node.core.component import ACTED
 from winch_controller_node.core.estimation.sense_design import SENSOR
 from winch_controller_node.core.supervision.modes import Mode
 from winch_controller_node.interface.sensors import SCALAR_SENSORS
@@ -21,16 +23,19 @@ MACHINE, EMULATOR = "aarch64-linux-gnu-", "qemu-aarch64"
 AGREEMENT = 1e-12
 """Largest difference of an order [m], [m/s]: the mathematical libraries of two machines differ in the last bit."""
 MODES = list(Mode)
+LOAD_NEWS = 8  # place among what the tick says of its order
 SETTINGS = (
     *("winch_controller.law=lqg", "all.duration=60", "wave_vessel.mru.faults.kind=[gap]"),
     *("wave_vessel.mru.faults.start=[40.0]", "wave_vessel.mru.faults.duration=[6.0]"),
-    "wave_vessel.mru.faults.magnitude=[0.0]",
+    *("wave_vessel.mru.faults.magnitude=[0.0]", "cable_sim.sensors.load_cell.faults.kind=[jump]"),
+    *("cable_sim.sensors.load_cell.faults.start=[52.0]", "cable_sim.sensors.load_cell.faults.duration=[4.0]"),
+    "cable_sim.sensors.load_cell.faults.magnitude=[2e5]",
 )
-"""The MRU is silent for some seconds."""
+"""The MRU is silent for some seconds; later the load cell reads 200 kN too much."""
 
 
 def recorded(parameters):
-    """Return a run without adviser as the replay reads it, and the orders of its controller, shape (ticks, 5)."""
+    """Return a run without adviser as the replay reads it, and the orders of its controller, shape (ticks, 6)."""
     loop = ClosedLoop(parameters, has_adviser=False)
     leave_out_plans(loop.controller)  # as the export has it
     step = loop.controller.step
@@ -51,9 +56,8 @@ def recorded(parameters):
         reported = (0.0,) * 8 if winch is None else (1.0, *winch[:5], winch.limits_hit, winch.command_sequence)
         numbers.extend(reported)
         order = outputs.order
-        orders.append(
-            (order.payout, order.payout_rate, order.brake, MODES.index(Mode(outputs.mode)), outputs.authority)
-        )
+        mode, load_news = MODES.index(Mode(outputs.mode)), loop.controller._control.done[ACTED + LOAD_NEWS]
+        orders.append((order.payout, order.payout_rate, order.brake, mode, outputs.authority, load_news))
         return outputs
 
     loop.controller.step = noted
@@ -79,5 +83,6 @@ def test_orders_in_an_emulator_are_those_of_the_recorded_run(tmp_path, monkeypat
     found = np.fromfile(tmp_path / "orders").reshape(wanted.shape)
     assert {MODES[int(mode)] for mode in wanted[:, 3]} >= {Mode.STANDBY, Mode.COMPENSATING, Mode.FADE_OUT}
     assert np.std(wanted[:, 1]) > 0.05
-    np.testing.assert_array_equal(found[:, 2:4], wanted[:, 2:4])
+    assert int(LoadNews.TENSION_HIGH) in wanted[:, 5]
+    np.testing.assert_array_equal(found[:, [2, 3, 5]], wanted[:, [2, 3, 5]])
     np.testing.assert_allclose(found, wanted, 0.0, AGREEMENT)

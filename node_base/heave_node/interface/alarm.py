@@ -173,12 +173,15 @@ def read_alarms(file: Path) -> AlarmTable:
 
     A code with `parts` is one for each part, whose name it then ends with; its words have `<part>` for the part, and
     `<name>` for what the file says of that part under `each`, with that name. Under `reasons` stands, by reason, what
-    differs from what stands under the code; a reason that differs from part to part has a list. Raises ValueError, with
-    file and code, for a row that is not complete or has a name too many.
+    differs from what stands under the code; a reason that differs from part to part has a list. What stands under `log`
+    is no alarm: entries of severity event. Raises ValueError, with file and code, for a row that is not complete or has
+    a name too many.
     """
     content = parse_yaml(file.read_text(encoding="utf-8"))
     each = content.pop("each", {})
-    return alarm_table(*(row for code, cells in content.items() for row in _rows(file, code, cells, each)))
+    entries = {code: {"severity": Severity.EVENT.word, **cells} for code, cells in content.pop("log", {}).items()}
+    codes = {**content, **entries}
+    return alarm_table(*(row for code, cells in codes.items() for row in _rows(file, code, cells, each)))
 
 
 def _rows(file: Path, code: str, cells: Mapping[str, Any], each: Mapping[str, Mapping[str, str]]) -> Iterator[AlarmRow]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from heave_node.tick.least import Least
+from heave_node.tick.simulated_clock import Least
 
 RECENT, REMEMBERED = 3_000_000_000, 10_000_000_000
 """Wall time for which a delay is reported, and over which the least one counts as none [ns]."""

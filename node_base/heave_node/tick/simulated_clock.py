@@ -7,13 +7,39 @@ that was late would put the clock back for as long as it is the newest.
 
 from __future__ import annotations
 
-from heave_node.tick.least import Least
+from collections import deque
 
 _SECOND = 1_000_000_000
 WINDOW = 2 * _SECOND
 """Wall time for which a tick counts [ns]; after a pause the clock is right again when it has passed."""
 LONGEST_LEAD = _SECOND
 """The clock goes no further ahead of the newest tick [ns]: then the run is paused."""
+
+
+class Least:
+    """The least of the values that came within a `length` of wall time [ns] before the newest."""
+
+    def __init__(self, length: int) -> None:
+        self._length = length
+        self._rising: deque[tuple[int, int]] = deque()  # each is less than all that came after it
+
+    def add(self, wall: int, value: int) -> None:
+        """Take a `value` in that came at a `wall` time [ns]."""
+        while self._rising and self._rising[-1][1] >= value:
+            self._rising.pop()
+        self._rising.append((wall, value))
+        while self._rising[0][0] < wall - self._length:
+            self._rising.popleft()
+
+    @property
+    def value(self) -> int:
+        """The least value; 0 where none has come."""
+        return self._rising[0][1] if self._rising else 0
+
+    @property
+    def is_empty(self) -> bool:
+        """Tell whether no value has come."""
+        return not self._rising
 
 
 class SimulatedClock:

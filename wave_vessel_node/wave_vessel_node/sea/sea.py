@@ -8,9 +8,9 @@ import numpy as np
 from heave_node.numerics.arrays import Array
 
 from wave_vessel_node.parameters import SeaParameters, WaveVesselParameters
+from wave_vessel_node.registries import SPECTRA, SPECTRUM_FILE
 from wave_vessel_node.sea.spectra import WaveSpectrum
 from wave_vessel_node.sea.spectrum_files import read_spectra
-from wave_vessel_node.sea_registry import SPECTRA, SPECTRUM_FILE
 
 
 def named_spectrum(sea: SeaParameters) -> WaveSpectrum:
@@ -27,16 +27,14 @@ def build_spectrum(parameters: WaveVesselParameters, warnings: list[str]) -> Wav
     parameters : name the spectrum, or its file and record
     warnings : what was repaired in a file is added here
 
-    Raises SpectrumError or SpectrumFileError where it cannot be: a file that is missing or broken, a record beyond its
-    end.
+    Raises SpectrumError or SpectrumFileError where it cannot be: a file that is missing or broken.
     """
     if parameters.spectrum != SPECTRUM_FILE:
         return named_spectrum(parameters)
     file = read_spectra(parameters.spectrum_file, accept_implausible=parameters.accept_implausible)
     warnings.extend(file.warnings)
-    if parameters.spectrum_time:
-        return file.nearest(parameters.spectrum_time).spectrum
-    return file.select(parameters.spectrum_record).spectrum
+    record = file.nearest(parameters.spectrum_time) if parameters.spectrum_time else file.records[0]
+    return record.spectrum
 
 
 @dataclass(frozen=True)

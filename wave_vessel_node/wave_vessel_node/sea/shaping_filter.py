@@ -16,8 +16,8 @@ import numpy as np
 from heave_node.numerics.arrays import Array
 from heave_node.numerics.linear_model import NOISE_INTENSITY, LinearModel, linear_model
 
+from wave_vessel_node.registries import AUTO, FILTER_FORMS
 from wave_vessel_node.sea.spectra import Bretschneider, SpectrumError, WaveSpectrum
-from wave_vessel_node.sea_registry import AUTO, FILTER_FORMS
 
 
 @dataclass(frozen=True)

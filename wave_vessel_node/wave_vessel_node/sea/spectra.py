@@ -49,7 +49,7 @@ def cell_integrals(function: Callable[[Array], Array], edges: Array) -> Array:
 class WaveSpectrum(ABC):
     """A one-sided spectrum of wave elevation.
 
-    Subclasses give `density` and `peak_frequency`; moments follow by quadrature on `edges`. One that `sea_registry`
+    Subclasses give `density` and `peak_frequency`; moments follow by quadrature on `edges`. One that `registries`
     names has a class method `from_parameters(SeaParameters)` too.
     """
 

@@ -34,14 +34,6 @@ class SpectrumFile:
     records: tuple[SpectrumRecord, ...]  # in order of time
     warnings: tuple[str, ...]  # what was repaired or left out, one line each
 
-    def select(self, index: int) -> SpectrumRecord:
-        """Return record number `index`, from 0. Raises SpectrumFileError beyond the last."""
-        if not 0 <= index < len(self.records):
-            raise SpectrumFileError(
-                f"{self.path}: no record {index}: the file has records 0 to {len(self.records) - 1}"
-            )
-        return self.records[index]
-
     def nearest(self, time: str) -> SpectrumRecord:
         """Return the record nearest to `time`, ISO 8601, UTC where no zone is given.
 

@@ -9,10 +9,10 @@ from heave_node.numerics.arrays import Array
 from heave_node.numerics.randomness import random_stream
 
 from wave_vessel_node.parameters import WaveVesselParameters
+from wave_vessel_node.registries import SOURCES
 from wave_vessel_node.sea.realisation import WaveComponents, draw_components
 from wave_vessel_node.sea.sea import build_spectrum
 from wave_vessel_node.sea.spectra import WaveSpectrum
-from wave_vessel_node.source_registry import SOURCES
 from wave_vessel_node.vessel.fit import VesselFit, VesselOnCourse
 from wave_vessel_node.vessel.motion import lever_arm_matrix
 from wave_vessel_node.vessel.rao import ResponseTable

@@ -216,6 +216,7 @@ class VelocityModelParameters(SampledSensorParameters):
     sees: ClassVar[str] = "unit"
     component: ClassVar[int] = 2
 
+    latency: float = parameter(0.1, "s", 0.0, 5.0, "Typical age on arrival.")
     noise: float = parameter(0.01, "m/s", 0.0, 100.0, "White noise, 1 sigma.")
     rate: float = parameter(5.0, unit="Hz", minimum=0.01, maximum=1000.0, description="Readings per second.")
 

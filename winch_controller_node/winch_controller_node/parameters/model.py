@@ -10,8 +10,7 @@ from dataclasses import dataclass, replace
 
 from heave_node.crane.kinematics import JOINTS, CraneParameters
 from heave_node.parameters import ParameterError, parameter
-from heave_node.winch.parameters import WinchFigures
-from heave_node.winch.position_loop import check_position_gain
+from heave_node.winch.parameters import WinchFigures, check_position_gain
 from wave_vessel_node.parameters import FILTER_CHOICES, SeaParameters, VesselAnswer
 
 
