@@ -502,6 +502,16 @@ def test_constant_tension_begins_at_the_measured_tension_each_time():
     assert loop.controller._command._tension.value == measured
 
 
+def test_constant_tension_refuses_a_hanging_unit_and_says_what_to_do():
+    loop = ClosedLoop(two_state_parameters(duration=60.0))
+    for _ in range(600):
+        loop.step()
+    words = r"the load is suspended: the cable carries (9\d|10\d) % of its weight.*land it first"
+    with pytest.raises(ModeError, match=words):
+        loop.controller.set_mode("constant_tension")
+    assert loop.step()[0].report.mode == "compensating"
+
+
 def test_a_hanging_unit_at_constant_tension_travels_no_further_than_its_bound_and_that_is_an_alarm():
     """A set-point below its weight lets a hanging unit go for ever."""
     bound = {"tension.hanging": True, "tension.travel": 1.0}
