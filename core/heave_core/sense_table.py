@@ -86,7 +86,9 @@ HEALTH = structure(
     Row("fewest_of_steps", "", "equal readings of a sensor that reads in steps that are frozen"),
     Row("longer", "", "the same over its longest run"),
     Row("crest", "", "the same over its newest run: at a crest the last step takes longer than the one before"),
-    Row("standing_time", "s", "for which one may stand before its first step: `modes.settling_time`"),
+    Row("standing_time", "s", "for which one may stand before its first step: a multiple of `modes.settling_time`"),
+    Row("few_steps", "", "height of a sea in steps up to which a sensor may read in steps without two alike in a row"),
+    Row("longest_wave", "s", "period of the longest wave: its crest stands for as long as it is within a step"),
     Row("by_chance", "", "probability of a run of equal readings below which a sensor is frozen"),
     Row("fewest_noise", "", "readings from which on noise is judged"),
     Row("noise_updated", "", "readings from one judgement of it to the next"),
@@ -235,6 +237,9 @@ SAMENESS = structure(
     Row("newest", "", "run before; 0: the first one goes on"),
     Row("usual", "", "share of equal readings"),
     Row("least", "", "share at first"),
+    Row("step", "", "smallest change of the first number"),
+    Row("top", "", "highest of it of late"),
+    Row("bottom", "", "lowest of it of late"),
     Row("values", "", "of the last reading", shape=(4,)),
 )
 
