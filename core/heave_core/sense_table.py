@@ -234,7 +234,7 @@ SAMENESS = structure(
     "How long readings have stayed the same.",
     Row("run", "", "of equal readings"),
     Row("longest", "", "run before"),
-    Row("newest", "", "run before; 0: the first one goes on"),
+    Row("newest", "", "run before"),
     Row("usual", "", "share of equal readings"),
     Row("least", "", "share at first"),
     Row("step", "", "smallest change of the first number"),

@@ -72,7 +72,7 @@ GATES = {
 """Tolerances of all gates beside the parameters `health`: meanings and units are in the core's table, HEALTH."""
 
 MAY_STAND = 3.0
-"""Time for which a sensor may stand before its first step over `modes.settling_time`: a sea rises from rest in minutes."""
+"""Time for which a sensor may stand before its first step over `modes.settling_time`: a sea may rise in minutes."""
 
 SAMENESS = {"first_sameness": 0.01, "part_sameness": 0.5}
 """Share of readings that are like the one before, at first: of a sensor that does not read in steps, and of heave and
