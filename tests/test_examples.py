@@ -132,7 +132,9 @@ import rclpy
 from heave_msgs.msg import MruSample, PointMotion
 rclpy.init()
 node = rclpy.create_node("own_timer")
-mru, tip = node.create_publisher(MruSample, "mru", 10), node.create_publisher(PointMotion, "boom_tip", 10)
+mru, tip = node.create_publisher(MruSample, "mru", 10), None
+if WITH_TIP:
+    tip = node.create_publisher(PointMotion, "boom_tip", 10)
 count = 0
 def sample():
     global count
@@ -145,16 +147,38 @@ def sample():
     point.header.frame_id = "world"
     for publisher, message in ((mru, reading), (tip, point)):
         message.header.stamp = now.to_msg()
-        publisher.publish(message)
+        if publisher is not None:
+            publisher.publish(message)
 node.create_timer(0.05, sample)
 rclpy.spin(node)
 """
 
 
+ALONE = "WITH_TIP = False\n" + ON_ITS_OWN_TIMER
+
+
 def test_a_correct_sensor_that_publishes_by_its_own_timer_passes_also_what_it_sent_before_the_clock_began():
-    with domain_id() as domain, beside(domain, "-c", ON_ITS_OWN_TIMER):
+    with domain_id() as domain, beside(domain, "-c", "WITH_TIP = True\n" + ON_ITS_OWN_TIMER):
         check = give(domain, "check", "--replace", "wave_vessel=external", "--seconds", "3")
     assert check.returncode == 0, check.stdout + check.stderr
+
+
+@pytest.mark.parametrize(
+    ("program", "replaces", "wrong"),
+    [
+        (ALONE, "mru=external:own", ""),
+        (ALONE.replace("0.3 *", "300.0 *"), "mru=external", "mru: numbers"),
+        (ALONE.replace("create_timer(0.05", "create_timer(0.5"), "mru=external", "mru: rate"),
+        (ALONE, "wave_vessel=external", "boom_tip: publisher"),
+        (ALONE, "winch/load_cell=external", "winch/load_cell: all: publisher"),
+    ],
+)
+def test_a_sensor_alone_is_checked_by_its_topic_and_needs_no_boom_tip(program, replaces, wrong):
+    with domain_id() as domain, beside(domain, "-c", program):
+        check = give(domain, "check", "--replace", replaces, "--seconds", "2")
+    assert check.returncode == (ExitStatus.VERDICT_FAILED if wrong else 0), check.stdout + check.stderr
+    assert wrong in check.stderr
+    assert ("mru=external" in check.stdout) == (wrong == "boom_tip: publisher")
 
 
 @pytest.mark.parametrize("node", ["wave_vessel", "cable_sim"])

@@ -56,7 +56,8 @@ def judge_topic(port: Port, heard: Heard, rule: ClockRule = ClockRule.DETECT) ->
         return Finding(name, what, is_good, words)
 
     if not heard.publishers:
-        return [finding("publisher", not port.is_required, "it has no publisher")]
+        alone = "" if name != "boom_tip" else ". For a motion sensor alone beside the simulated vessel: mru=external"
+        return [finding("publisher", not port.is_required, f"it has no publisher{alone}")]
     found = [finding("publisher", len(heard.publishers) == 1, ", ".join(heard.publishers))]
     wrong = sorted(set(heard.types) - {port.topic.type})
     found.append(finding("type", not wrong, ", ".join(wrong) or port.topic.type))

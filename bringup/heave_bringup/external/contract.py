@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -157,7 +157,11 @@ CONTRACTS: tuple[Contract, ...] = (
     Contract("wave_vessel", publishes=(MRU, BOOM_TIP, WAVE_COMPONENTS, HEAVE_PREVIEW, CRANE_POSE), hears=(CLOCK,)),
     Contract("cable_sim", publishes=SENSORS_OF_SHIP, hears=(CLOCK,)),
 )
-CONTRACT_OF = {contract.node: contract for contract in CONTRACTS}
+PARTS = (MRU, CRANE_POSE, *SENSORS_OF_SHIP)
+CONTRACT_OF = {contract.node: contract for contract in CONTRACTS} | {
+    port.topic.name: Contract(port.topic.name, (replace(port, is_required=True),), (CLOCK,)) for port in PARTS
+}
+"""Contracts of nodes, and of single sensors by their topics."""
 
 
 def page() -> str:

@@ -10,14 +10,30 @@ void begin_sameness(Sameness &same, double usual) {
     same = Sameness{};
     same.run = same.longest = 1.0;
     same.usual = same.least = usual;
+    same.step = INFINITE;
     std::fill_n(same.values, 4, NOT_KNOWN);
+}
+
+// Take in that the first number has changed to a value: its smallest step, and how high and low it goes, forgotten slowly.
+void add_step(Sameness &same, double value, double weight) {
+    if (std::isnan(same.values[0])) same.top = same.bottom = value;
+    if (value != same.values[0]) same.step = std::min(same.step, std::abs(value - same.values[0]));
+    same.top = std::max(value, same.top - weight * (same.top - value));
+    same.bottom = std::min(value, same.bottom + weight * (value - same.bottom));
+}
+
+// Time for which readings in steps may stand at a crest: T / pi acos(1 - 2 / n), for which a wave of the period T and n
+// steps high is within a step of its top. Until the first step nothing is known of them, and a sea may be smaller than one.
+double time_at_crest(const Health &health, double step, double steps) {
+    if (step == INFINITE) return health.standing_time;
+    return health.longest_wave / M_PI * std::acos(1.0 - 2.0 / std::max(steps, 1.0));
 }
 
 // Whether the run of equal readings is no chance. Of a sensor that reads in steps two in a row are often the same: a run
 // of n comes by chance with a probability p^(n - 1), p the share of readings that were like the one before. At a crest of
-// the sea runs are longer than that: one must also be longer than those before, and than a crest that is approached as
-// fast as the last step shows: of a motion q - a t^2 / 2 in steps of q the last one takes 4.8 times the one before. Until
-// its first step nothing is known of its steps, and a calm sea may be smaller than one.
+// the sea runs are longer than that: one must also be longer than those before, than a crest that is approached as fast as
+// the last step shows (of a motion q - a t^2 / 2 in steps of q the last one takes 4.8 times the one before), and than the
+// crest of a long wave as high as what was read of late.
 bool stands(const Health &health, Sameness &same, double interval, const double *values, int count) {
     if (!std::equal(values, values + count, same.values)) {
         const double weight = std::min(1.0, same.run / health.sameness_memory);
@@ -25,18 +41,20 @@ bool stands(const Health &health, Sameness &same, double interval, const double 
         const double longest = std::min(same.run, 2.0 * same.longest);
         same.longest = std::max(longest, same.longest * (1.0 - weight / 10.0));
         same.usual += weight * ((same.run - 1.0) / same.run - same.usual);
-        same.newest = std::isnan(same.values[0]) ? 0.0 : same.run;
+        same.newest = same.run;
+        add_step(same, values[0], weight / 10.0);
         same.run = 1.0;
         std::copy_n(values, count, same.values);
         return false;
     }
     same.run += 1.0;
-    const bool is_first = same.newest == 0.0;
-    if (is_first && same.run * interval < health.standing_time) return false;
+    const double steps = (same.top - same.bottom) / same.step;
     double least = health.frozen_samples;
-    if (same.longest >= health.in_steps)
+    if (steps < health.few_steps || same.longest >= health.in_steps) {
+        if (same.run * interval < time_at_crest(health, same.step, steps)) return false;
         least = std::max({least, health.fewest_of_steps, std::nearbyint(health.longer * same.longest),
                           health.crest * (same.newest + 1.0)});
+    }
     return same.run >= least && std::pow(std::max(same.usual, same.least), same.run - 1.0) < health.by_chance;
 }
 

@@ -10,10 +10,11 @@ from heave_node.tick.clock_rule import parse_clock
 
 from heave_bringup.commands.arguments import add_namespace, add_network
 from heave_bringup.errors import VerdictError
+from heave_bringup.nodes import ADVISER
 from heave_bringup.replacements import EXTERNAL, OPTION, add_replace, parse_replacements
 
 SUMMARY = "Check a running external node against the contract. A winch is braked and released, never moved."
-EXAMPLES = ("heave check --replace virtual_winch=external", "heave check --replace wave_vessel=external:own")
+EXAMPLES = ("heave check --replace virtual_winch=external", "heave check --replace mru=external:own")
 
 REPLACEABLE = ("winch_controller", "virtual_winch", "wave_vessel", "cable_sim")
 
@@ -22,8 +23,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the command's own arguments to `parser`."""
     add_replace(
         parser,
-        f"node of the suite that the external node replaces: {', '.join(REPLACEABLE)}; CLOCK is the clock of its "
-        "stamps: simulated, own, none; detected if not given",
+        f"what the external node replaces: {', '.join(REPLACEABLE)}, or the topic of one sensor, such as mru; CLOCK is "
+        "the clock of its stamps: simulated, own, none; detected if not given",
         f"{EXTERNAL}[:CLOCK]",
         required=True,
     )
@@ -43,8 +44,9 @@ def execute(options: argparse.Namespace) -> None:
         raise ParameterError(f"--seconds {options.seconds:g}: must be at least 2")
     external = parse_replacements(options.replace, kinds=[EXTERNAL]).external
     node, stamping = parse_clock(external[0] if "=" in external[0] else f"{external[0]}=detect")
-    if node not in REPLACEABLE or len(external) > 1:
-        raise ParameterError(f"{OPTION} {options.replace[-1]}: NODE must be one of {', '.join(REPLACEABLE)}")
+    known = [name for name in CONTRACT_OF if name != ADVISER]
+    if node not in known or len(external) > 1:
+        raise ParameterError(f"{OPTION} {options.replace[-1]}: NODE must be one of {', '.join(known)}")
     set_up_transport(network=options.network)
     findings = check_node(CONTRACT_OF[node], options.seconds, stamping.rule, options.namespace or "")
     wrong = [finding for finding in findings if not finding.is_good]

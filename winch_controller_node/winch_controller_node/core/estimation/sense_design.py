@@ -58,6 +58,8 @@ GATES = {
     "fewest_of_steps": 24,  # at a crest of the sea a sensor that reads in steps stands for long
     "longer": 2.0,
     "crest": 6.0,  # a quarter above the 2 sqrt(2) / (2 - sqrt(2)) of a parabola
+    "few_steps": 4.0,
+    "longest_wave": 20.0,
     "by_chance": 2e-4,  # three of a sensor that does not read in steps
     "fewest_noise": 30,
     "noise_updated": 10,
@@ -68,6 +70,9 @@ GATES = {
     "late": 1.5,  # half way to the next reading but one
 }
 """Tolerances of all gates beside the parameters `health`: meanings and units are in the core's table, HEALTH."""
+
+MAY_STAND = 3.0
+"""Time for which a sensor may stand before its first step over `modes.settling_time`: a sea may rise in minutes."""
 
 SAMENESS = {"first_sameness": 0.01, "part_sameness": 0.5}
 """Share of readings that are like the one before, at first: of a sensor that does not read in steps, and of heave and
@@ -199,7 +204,7 @@ def sense_design(
         "refuted": seas.REFUTED,
         "health": GATES
         | {name: getattr(parameters.health, name) for name in TOLERANCES}
-        | {"standing_time": parameters.modes.settling_time},
+        | {"standing_time": MAY_STAND * parameters.modes.settling_time},
         "steps": STEPS | {"shown_ticks": round(JUMP_SHOWN / dt), "travel_ticks": kept},
         "watches": WATCHES
         | {
