@@ -226,7 +226,12 @@ def accepted(
 
 
 def worsens(found: Hypothesis, present: Hypothesis) -> bool:
-    """Return whether a sensor is further from its prediction under what was `found` than under the `present`."""
+    """Return whether a sensor is further from its prediction under what was `found` than under the `present`.
+
+    A delay, which is made up for by a slope alone, leaves something.
+    """
+    if MRU_DELAY in found.changes:
+        return False
     before = present.misfits
     return any(misfit > WITNESSED * max(before[row], 1.0) for row, misfit in found.misfits.items() if row in before)
 
