@@ -254,9 +254,9 @@ def test_the_winch_is_told_nothing_before_the_first_command_nor_between_two_unti
 def test_a_drum_that_somebody_else_moves_before_the_first_command_is_no_fault(clock):
     node = Node()
     controller, place = Controller(LiveDevice(find_map("ros2_control_velocity"), node), node, clock), 690.0
-    for _ in range(60):
-        place += 0.01
-        node.callbacks["/joint_states"](joints(place, 0.2, second=clock.now))
+    for speed in (*[0.0] * 40, *[0.2] * 60):
+        place += 0.05 * speed
+        node.callbacks["/joint_states"](joints(place, speed, second=clock.now))
         controller.wait(0.05)
     assert not controller.fault
 
