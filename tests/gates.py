@@ -193,6 +193,9 @@ class SensorNoise(Part):
     def add(self, value, stated=math.nan):
         return part("add_noise", result=NUMBER)(*self.noise_at, value, stated)
 
+    def stands_out(self, innovation):
+        return part("stands_out", result=FLAG)(self.noise_at[2], innovation)
+
     def news(self):
         """Return the ratio to the nominal noise when it has become much larger; else 0."""
         part("has_worse_noise", result=FLAG)(*self.noise_at)

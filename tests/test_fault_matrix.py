@@ -34,6 +34,7 @@ from tests.campaigns.fault_matrix.judge import (
     named_after,
     path_of,
     rest_after,
+    stopped_at_once,
     travel_ratio,
     unit_ratio,
 )
@@ -253,7 +254,17 @@ def test_what_all_cases_came_to_is_held_against_the_bars():
     assert outcome_of(json.loads(json.dumps(asdict(bad)))) == bad
 
 
-def test_the_swing_that_a_requested_emergency_stop_leaves_is_no_faults():
+def test_a_drum_is_stopped_at_once_where_it_comes_to_rest_quicker_than_in_an_orderly_stop():
+    time = 0.1 * np.arange(100)
+    for deceleration, found in ((1.5, 4.9), (0.5, math.inf)):
+        rate = np.clip(deceleration * (5.0 - time), 0.0, 0.3)
+        assert stopped_at_once(time, rate, 0.0, 5.0) == pytest.approx(found)
+        assert stopped_at_once(time, rate, 2.0, 3.0) == pytest.approx(found - 2.0)
+        assert stopped_at_once(time, rate, 6.0, 0.0) == math.inf
+    assert stopped_at_once(time, np.full(100, 0.3), 2.0, math.inf) == math.inf
+
+
+def test_what_the_same_run_does_without_the_fault_stopped_at_once_as_well_is_no_faults():
     unit = next(bar for bar in BARS if bar.name.startswith("unit"))
     assert unit.holds(Outcome(unit=2.0, stopped=1.9))
     assert not unit.holds(Outcome(unit=2.0))

@@ -262,6 +262,29 @@ def test_what_leaves_the_record_unexplained_is_not_accepted():
     assert accepted([one, far], far, None, ["mru_heave"]) is one
 
 
+def test_two_culprits_at_once_leave_nothing_for_a_third():
+    """A drum of another radius in a landing: mass and MRU were blamed with a mean square of 29, of 182 before."""
+    far, names = hypothesis(1e3, worst=400.0), ["mru_heave"]
+    for worst, is_accepted in ((4.1, False), (3.9, True)):
+        both = hypothesis(0.0, ["mru.scale", "cable.inertia_factor"], worst=worst)
+        assert (accepted([both, far], far, None, names) is both) is is_accepted
+
+
+def test_damping_is_identified_only_where_it_leaves_nothing_to_explain():
+    """What moves otherwise than predicted, for whatever reason, is predicted better by less motion."""
+    for worst, is_accepted in ((1.9, False), (1.7, True)):
+        one = hypothesis(0.0, ["cable.damping_factor"], worst=worst)
+        assert (accepted([one, PRESENT], PRESENT, None, ["mru_heave"]) is one) is is_accepted
+
+
+def test_what_explains_one_sensor_and_makes_another_worse_is_not_accepted():
+    """An offset of the MRU explained a depth after a stop, and left its own readings further from their prediction."""
+    present = dataclasses.replace(PRESENT, misfits={"mru_heave": 1.0, "unit_heave": 9.0})
+    for own, is_accepted in ((1.3, False), (1.1, True)):
+        one = dataclasses.replace(hypothesis(0.0, ["mru.offset"]), misfits={"mru_heave": own, "unit_heave": 1.0})
+        assert (accepted([one, present], present, None, list(present.misfits)) is one) is is_accepted
+
+
 def test_one_culprit_more_is_no_other_explanation_and_is_not_taken_where_it_explains_no_more():
     one, both = hypothesis(40.0, ["mru.scale"]), hypothesis(40.1, ["mru.scale", "cable.inertia_factor"])
     assert accepted([one, both, PRESENT], PRESENT, None, ["mru_heave"]) is one

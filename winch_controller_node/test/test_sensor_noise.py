@@ -127,3 +127,20 @@ def test_a_reading_that_comes_back_into_its_band_within_the_minute_is_not_told()
         told.append(consistency.newly_quiet())
     (news,) = [news for news in told if news]
     assert list(news) == ["mru_heave"]
+
+
+def test_a_reading_that_goes_on_from_those_before_is_no_spike_however_far_it_is_from_its_prediction():
+    """A unit of 1 m in 10 s, read four times a second: its third difference is 4 mm, that of a spike the spike."""
+    noise = SensorNoise(0.01, DT)
+    for k in range(40):
+        noise.add(np.sin(0.2 * np.pi * 0.25 * k))
+        assert k < 3 or not noise.stands_out(0.3)
+    noise.add(np.sin(0.2 * np.pi * 0.25 * 40) - 0.3)
+    assert noise.stands_out(-0.3)
+
+
+def test_of_the_first_three_readings_it_is_not_known_how_they_go_on():
+    noise = SensorNoise(0.01, DT)
+    for value in (0.0, 1.0, 0.0):
+        noise.add(value)
+        assert noise.stands_out(5.0)

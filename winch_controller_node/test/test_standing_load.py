@@ -23,16 +23,16 @@ class Braked(Supervised):
         self.landing = self.supervisor.landing
         self._tension = MeanTension(tick_period=DT)
 
-    def wait(self, seconds, *, lost=()):
-        """Return the codes of the alarms of so many `seconds`."""
-        codes = []
+    def wait(self, seconds, *, lost=(), load=10e3):
+        """Return the alarms of so many `seconds` with a `load` on the cable [N]."""
+        alarms = []
         for _ in range(round(seconds / DT)):
             if not lost:
-                self._tension.add(10e3, 0.0, unit_stands=False)
+                self._tension.add(load, 0.0, unit_stands=False)
             mean = self._tension.mean
             tension = {"tension_mean": mean.value, "tension_sigma": mean.sigma, "tension_time": mean.time}
-            codes += [one.code for one in self.step(lost=lost, sees_landing=0, **tension).alarms]
-        return codes
+            alarms += self.step(lost=lost, sees_landing=0, **tension).alarms
+        return alarms
 
     @property
     def gate(self):
@@ -44,9 +44,16 @@ def test_a_load_that_stands_is_told_once_and_keeps_compensation_off():
     winch = Braked()
     assert winch.wait(7.0) == []
     assert winch.gate.startswith("averaging the tension for")
-    assert winch.wait(60.0) == ["UNIT_NOT_SUSPENDED"]
+    (alarm,) = winch.wait(60.0)
+    assert (alarm.code, alarm.values["percent"]) == ("UNIT_NOT_SUSPENDED", 0.0)
     assert not winch.landing.hangs
     assert "UNIT NOT SUSPENDED" in winch.gate.upper().replace("_", " ")
+
+
+def test_it_is_told_how_much_of_a_load_the_cable_carries():
+    """17.5 of 50 kN, where 60 kN hang on it with the cable."""
+    (alarm,) = Braked().wait(60.0, load=27.5e3)
+    assert alarm.values["percent"] == pytest.approx(35.0)
 
 
 def test_what_the_load_cell_has_said_is_kept_for_as_long_as_a_mean_remembers_and_no_longer():

@@ -175,7 +175,8 @@ void take_in(const Core &core, const LookAt &given, int count, const Room &room)
 }
 
 // Take back the samples of which the filter refused a reading, and note what innovations say; one that came too late to be
-// compared says nothing against the sensor. Readings that have been inconsistent for long are no spikes.
+// compared says nothing against the sensor. Readings that have been inconsistent for long, or go on from those before, are no
+// spikes.
 int learn(const Core &core, const Room &room) {
     const SenseDesign &design = core.design;
     bool is_refused[SENSORS] = {}, is_spike[SENSORS] = {};
@@ -191,7 +192,9 @@ int learn(const Core &core, const Room &room) {
         const Said &said = room.by_measurement[measured.which];
         if (said.accepted != 0.0 || !std::isfinite(said.nis)) continue;
         is_refused[measured.sensor] = true;
-        if (core.state.noises[row].mean <= design.watches.inconsistent) is_spike[measured.sensor] = true;
+        const SensorNoise &noise = core.state.noises[row];
+        const bool is_alone = !measured.is_judged || stands_out(noise, said.innovation);
+        if (is_alone && noise.mean <= design.watches.inconsistent) is_spike[measured.sensor] = true;
     }
     for (int sensor = 0; sensor < SENSORS; sensor++)
         if (is_refused[sensor]) take_back(design.health, core.state.gates[sensor], SPIKE, is_spike[sensor]);

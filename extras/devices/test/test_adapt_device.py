@@ -234,6 +234,42 @@ def test_a_winch_that_is_silent_is_not_released_before_it_speaks_again(clock):
     assert not controller.fault
 
 
+def test_the_winch_is_told_nothing_before_the_first_command_nor_between_two_until_they_have_ended(clock):
+    node = Node()
+    device = LiveDevice(find_map("ros2_control_velocity"), node)
+    controller, sent = Controller(device, node, clock), "/velocity_controller/commands"
+    node.callbacks["/joint_states"](joints(690.0, second=clock.now))
+    controller.wait(2.0)
+    assert not node.sent.get(sent)
+    node.callbacks["/joint_states"](joints(690.0, second=clock.now))
+    given = clock.now
+    controller.command(rate=0.1)
+    controller.wait(0.2)
+    assert len(node.sent[sent]) == 1
+    clock.now = given + 0.5  # the timeout of a map that says none, to the last bit
+    device.guard()
+    assert len(node.sent[sent]) == 2
+
+
+def test_a_drum_that_somebody_else_moves_before_the_first_command_is_no_fault(clock):
+    node = Node()
+    controller, place = Controller(LiveDevice(find_map("ros2_control_velocity"), node), node, clock), 690.0
+    for speed in (*[0.0] * 40, *[0.2] * 60):
+        place += 0.05 * speed
+        node.callbacks["/joint_states"](joints(place, speed, second=clock.now))
+        controller.wait(0.05)
+    assert not controller.fault
+
+
+def test_a_drum_of_which_only_the_speed_is_known_is_not_supervised_by_its_way(clock):
+    node = Node()
+    controller = Controller(LiveDevice(find_map("ros2_control_velocity"), node), node, clock)
+    for _ in range(4):
+        node.callbacks["/joint_states"](joints(math.nan, 0.2, second=clock.now))
+        controller.command(rate=0.1)
+    assert controller.fault != WinchFault.DRIVE
+
+
 def test_registers_of_a_drum_that_stand_still_while_it_moves_hold_it_and_are_no_good_health(clock):
     """Position and speed as at one moment at sea, the counter going on."""
     controller, place = moved_drum(clock)

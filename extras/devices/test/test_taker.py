@@ -253,3 +253,24 @@ def test_a_turn_that_is_none_is_told():
     message.pose.pose.orientation.w = 0.0
     assert not taker.of_message("/o", message, 0.0).values
     assert taker.counters.missing == {"pose.pose.orientation is a quaternion of length 0": 1}
+
+
+@pytest.mark.parametrize(("raw", "is_used"), [(0.0, True), (-1e-25, True), (0.9e-25, False), (-1e-30, False)])
+def test_a_float_that_is_next_to_nothing_is_the_words_of_another_one(raw, is_used):
+    taker = Taker(device_map_of("m", {"source": {"modbus": "1"}, "payout": "input:0:float32"}))
+    assert bool(taker.of_sample(Sample("MODBUS", {"input:0:float32": raw}), 0.0).values) is is_used
+    assert bool(taker.counters.worst) is not is_used
+
+
+@pytest.mark.parametrize("is_velocity", [False, True])
+def test_a_heave_is_what_is_left_of_a_height_or_of_the_integral_of_a_velocity(is_velocity):
+    """A height that heaves by 2 m in 10 s about 40 m, and how fast it does; to 3 % after 20 minutes of filter."""
+    how = {"velocity": True} if is_velocity else {"high_pass": 300.0}
+    entry = {"topic": "/m", "type": "t", "field": "z", **how}
+    taker, omega = Taker(device_map_of("m", {"heave": entry})), 0.2 * math.pi
+    heaves = []
+    for k in range(12000):
+        time = 0.1 * k
+        sent = 2.0 * omega * math.cos(omega * time) if is_velocity else 40.0 + 2.0 * math.sin(omega * time)
+        heaves.append(taker.of_message("/m", SimpleNamespace(z=sent), time).values["heave"])
+    assert (min(heaves[-100:]), max(heaves[-100:])) == (pytest.approx(-2.0, rel=0.03), pytest.approx(2.0, rel=0.03))

@@ -10,6 +10,7 @@ from typing import Any, TypeVar
 import numpy as np
 
 from tests.campaigns.fault_matrix.cases import Cell
+from tests.campaigns.fault_matrix.judge import LARGEST_UNIT
 from tests.campaigns.fault_matrix.run import Outcome
 
 Ran = tuple[Cell, Outcome]
@@ -17,9 +18,6 @@ Case = TypeVar("Case")
 
 NEAR = 1.02
 """Times the bounds of the envelope that count as within: the MRU by which it goes has noise, the boom tip here none."""
-
-LARGEST_UNIT = 1.3
-"""Largest motion of the unit over that of the locked one; after a requested emergency stop, over what that leaves."""
 
 
 @dataclass(frozen=True)

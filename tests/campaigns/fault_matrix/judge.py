@@ -29,6 +29,12 @@ SETTLED = 10.0
 STILL, LASTING = 1e-3, 5.0
 """A drum at rest is slower [m/s], with the brake on, for so long [s]."""
 
+LARGEST_UNIT = 1.3
+"""Largest motion of the unit over that of the locked one, or over that of the same run without a fault."""
+
+ORDERLY, SUDDEN = 0.5, 0.05
+"""Deceleration of an orderly stop [m/s^2]; speed beyond that from which a drum comes to rest at once [m/s]."""
+
 SHOWN = 0.1
 """Way of the drum, made or ordered, that shows a fault of what moves it [m]."""
 
@@ -133,6 +139,21 @@ def rest_after(time: Array, rate: Array, brake: Array, begin: float) -> float:
         if (end - start) * period >= LASTING:
             return max(float(time[start]) - begin, 0.0)
     return math.inf
+
+
+def stopped_at_once(time: Array, rate: Array, begin: float, rest: float) -> float:
+    """Return how long after `begin` [s] a drum is last quicker than in an orderly stop that ends when it does.
+
+    Infinite: it comes to rest in an orderly way, or never.
+
+    Parameters
+    ----------
+    time, rate : of each tick [s], [m/s], shapes (n,)
+    begin, rest : of the fault, and after it that of the drum [s]
+    """
+    left = begin + rest - time
+    found = time[(time >= begin) & (left > 0.0) & (np.abs(rate) > ORDERLY * left + SUDDEN)]
+    return float(found[-1]) - begin if found.size else math.inf
 
 
 def _way(time: Array, asked: Asked, begin: float) -> Array:

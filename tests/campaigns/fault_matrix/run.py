@@ -21,6 +21,7 @@ from tests.campaigns.fault_matrix.cases import Cell
 from tests.campaigns.fault_matrix.faults import ALWAYS, CREEPING, FASTER, MOVING, RESTING
 from tests.campaigns.fault_matrix.judge import (
     HELD,
+    LARGEST_UNIT,
     SHOWN,
     Raised,
     asked_more,
@@ -30,6 +31,7 @@ from tests.campaigns.fault_matrix.judge import (
     named_after,
     path_of,
     rest_after,
+    stopped_at_once,
     travel_ratio,
     unit_ratio,
 )
@@ -62,7 +64,10 @@ class Outcome:
     modes: tuple[str, ...] = ()  # that were taken after the fault
     false_words: tuple[str, ...] = ()  # alarms whose consequence the modes of the next second belie
     failure: str = ""  # why the case could not be run; empty: it could
-    # motion of the unit after the same emergency stop without a fault, over that of the locked one; 0: none was asked
+    # time after the fault at which the drum was stopped at once [s]; infinite: it was not
+    sudden: float = math.inf
+    # motion of the unit over that of the locked one in the same run without a fault, with an emergency stop where the
+    # drum was stopped at once; 0: not asked for
     stopped: float = 0.0
     seconds: float = 0.0  # of processor time that it took
 
@@ -88,13 +93,16 @@ def _run_loop(cells: Sequence[Cell], after: float) -> Iterator[tuple[Cell, Outco
         failure = _words(error)
     for one in cells:
         found = Outcome(failure=failure) if failure else _forked(one, session, after)
-        if base.moment == "emergency_stop" and not found.failure:
-            found = replace(found, stopped=_forked(one, session, after, begins=False).unit)
+        if found.unit > LARGEST_UNIT:
+            found = replace(found, stopped=_forked(one, session, after, stop=found.sudden).unit)
         yield one, found
 
 
-def _forked(one: Cell, session: Session, after: float, *, begins: bool = True) -> Outcome:
-    """Return what a case comes to in a copy of the `session`, with its fault or without."""
+def _forked(one: Cell, session: Session, after: float, *, stop: float | None = None) -> Outcome:
+    """Return what a case comes to in a copy of the `session`.
+
+    `stop` : time of an emergency stop without the fault [s], infinite: of none; None: with the fault
+    """
     reading, writing = os.pipe()
     child = os.fork()
     if child == 0:
@@ -104,7 +112,7 @@ def _forked(one: Cell, session: Session, after: float, *, begins: bool = True) -
             signal.signal(signal.SIGALRM, signal.SIG_DFL)
             signal.alarm(LIMIT)
             with os.fdopen(writing, "w") as file:
-                json.dump(asdict(_branch(one, session, after, begins=begins)), file)
+                json.dump(asdict(_branch(one, session, after, stop)), file)
             status = 0
         finally:
             os._exit(status)
@@ -117,15 +125,18 @@ def _forked(one: Cell, session: Session, after: float, *, begins: bool = True) -
     return outcome_of(json.loads(text))
 
 
-def _branch(one: Cell, session: Session, after: float, *, begins: bool) -> Outcome:
+def _branch(one: Cell, session: Session, after: float, stop: float | None) -> Outcome:
     began = clock.process_time()
     try:
         session.go(one.offset)
         begin = session.time
-        if begins:
+        if stop is None:
             session.wires.begin(one.fault)
         session.asked = session.asked.left(session.loop.controller.mean)
-        session.go(after)
+        if stop is not None and math.isfinite(stop):
+            session.go(stop)
+            session.set_mode("emergency_stop")
+        session.go(begin + after - session.time)
     except Exception as error:  # see `_run_loop`
         return Outcome(failure=_words(error))
     cable = session.scenario.parameters["cable_sim"].cable
@@ -205,6 +216,7 @@ def judged(
         alarms=tuple(f"{one.time - begin:.2f} {one.code}" for one in alarms if one.time >= begin)[:12],
         modes=tuple(mode for mode, _ in groupby(modes)),
         false_words=tuple(false_words(record, begin)),
+        sudden=stopped_at_once(time, rate, begin, rest),
     )
 
 

@@ -17,6 +17,7 @@ import numpy as np
 from winch_controller_node.adviser.filter_pass import SETTLING
 from winch_controller_node.adviser.hypothesis import (
     AGAIN,
+    MISFIT,
     SEA,
     Assumed,
     Change,
@@ -56,9 +57,6 @@ SHORTEST = 25.0
 
 WORSE = 1.3
 """Hypotheses that explained nothing are tried again when the misfit is so many times larger, or on another minute."""
-
-MISFIT = 1.8
-"""Mean squared normalised innovation of a sensor above which hypotheses are tried."""
 
 UNCERTAIN_GAIN = 0.25
 """Logarithm of a gain over the nominal one from which on it may as well be the encoder's scale."""

@@ -78,12 +78,16 @@ CLEARLY = 5.0
 EXPLAINED, SHARE_LEFT = 4.0, 0.25
 """Largest mean squared normalised innovation of a sensor that is used under what is accepted, or share of before."""
 
+MISFIT = 1.8
+"""That above which hypotheses are tried. A damping has to leave less: a motion that is predicted wrongly is predicted
+better by less of it, whatever is wrong."""
+
 ENLARGING = {MRU_SCALE: -1.0, ENCODER_SCALE: -1.0, DEPTH_SCALE: -1.0, MRU_DELAY: 1.0}
 """Direction, up or down from nominal, in which a correction of a sensor makes orders larger."""
 
 WITNESSED = 1.2
 """A correction that makes orders larger is accepted where another sensor is so many times nearer to its prediction
-under it, mean square."""
+under it, mean square; and nothing is where one is so much further."""
 
 TELLING = 3.0
 """Motion over the noise of a sensor that was left out, 1 sigma, in which it shows that it is right."""
@@ -209,14 +213,27 @@ def accepted(
     others = [one.total for one in ranked if not one.culprits >= best.culprits]
     is_clear = not others or min(others) - best.total >= CLEARLY
     names = list(used)
-    is_explained = best.worst(names) <= max(EXPLAINED, SHARE_LEFT * present.worst(names))
+    news = best.culprits - present.culprits
+    # two at once are seldom, and leave nothing for a third
+    left = EXPLAINED if len(news) > 1 else max(EXPLAINED, SHARE_LEFT * present.worst(names))
+    is_explained = best.worst(names) <= (MISFIT if DAMPING in best.changes else left) and not worsens(best, present)
     if present.excluded and present.excluded not in best.culprits and not present.motion > TELLING:
         # a sensor that had nothing to see has not shown that it is right
         return None
     is_again = before is not None and before.culprits == best.culprits
-    # two things at once are seldom
-    needed = (AGAIN if is_again else ACCEPTED) * max(1, len(best.culprits - present.culprits))
+    needed = (AGAIN if is_again else ACCEPTED) * max(1, len(news))
     return best if is_clear and is_explained and gain >= needed and is_witnessed(best, present) else None
+
+
+def worsens(found: Hypothesis, present: Hypothesis) -> bool:
+    """Return whether a sensor is further from its prediction under what was `found` than under the `present`.
+
+    A delay, which is made up for by a slope alone, leaves something.
+    """
+    if MRU_DELAY in found.changes:
+        return False
+    before = present.misfits
+    return any(misfit > WITNESSED * max(before[row], 1.0) for row, misfit in found.misfits.items() if row in before)
 
 
 def is_witnessed(found: Hypothesis, present: Hypothesis) -> bool:
