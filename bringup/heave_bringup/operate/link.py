@@ -353,8 +353,8 @@ class RunLink:
         self.situation.controller = ControllerStatus(
             seconds_of(message.header.stamp),
             *_of_controller(message),
-            limits=tuple(message.active_limits),
-            unit_error=_unit_error(message),
+            tuple(message.active_limits),
+            _unit_error(message),
         )
 
     def _on_winch(self, message: WinchState) -> None:
