@@ -350,12 +350,9 @@ class RunLink:
         self.situation.load_cell = message.tension
 
     def _on_controller(self, message: ControllerState) -> None:
-        self.situation.controller = ControllerStatus(
-            seconds_of(message.header.stamp),
-            *_of_controller(message),
-            tuple(message.active_limits),
-            _unit_error(message),
-        )
+        newest = ControllerStatus(seconds_of(message.header.stamp), *_of_controller(message))
+        newest.limits, newest.unit_error = tuple(message.active_limits), _unit_error(message)
+        self.situation.controller = newest
 
     def _on_winch(self, message: WinchState) -> None:
         newest = WinchStatus(seconds_of(message.header.stamp), *_of_winch(message))
