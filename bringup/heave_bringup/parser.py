@@ -17,7 +17,7 @@ from heave_bringup.commands.extras import COMMANDS as EXTRA_COMMANDS
 from heave_bringup.commands.extras import extra_command, extra_commands
 from heave_bringup.commands.models import design, modes
 from heave_bringup.commands.runs import check, operate, run
-from heave_bringup.commands.scenarios import catalogue, list_scenarios, new, params
+from heave_bringup.commands.scenarios import list_scenarios, new, params
 from heave_bringup.errors import ExitStatus
 
 DISTRIBUTIONS = ("heave", "heave-bringup")
@@ -49,7 +49,7 @@ def own_version() -> str:
 
 COMMANDS: tuple[CommandModule, ...] = (
     *(run, operate, check),
-    *(list_scenarios, new, catalogue, params),
+    *(list_scenarios, new, params),
     *(report, kpi, export, record, replay, repair),
     *(design, modes),
 )

@@ -170,7 +170,7 @@ def test_the_strength_of_a_wire_is_that_of_plant_and_belief_and_goes_with_the_wi
         (["new", "x", "--hs", "30"], "x.yaml (not written): /**: system.sea.significant_wave_height = 30.0 is not"),
         (["new", "x", "--depth", "300", "--length", "300"], "either the depth of the unit or the --length"),
         (["new", "x", "--hs", "2", "--like", "s900_driven"], "s900_driven has no sea to change"),
-        (["catalogue", "unit", "thesis_124t"], "did you mean thesis_125t?"),
+        (["list", "unit", "thesis_124t"], "did you mean thesis_125t?"),
     ],
 )
 def test_what_cannot_be_done_is_said_in_one_line_and_leaves_nothing(here, capsys, arguments, words):
@@ -194,9 +194,9 @@ def test_what_is_forced_and_wrong_leaves_the_old_file_as_it_was(here, capsys):
 
 
 def test_the_catalogue_prints_particulars_and_sources(capsys):
-    assert main(["catalogue"]) == 0
+    assert main(["list", "cable"]) == 0
     assert "wire_28mm_6x36" in capsys.readouterr().out
-    assert main(["catalogue", "cable", "wire_28mm_6x36", "--json", "-"]) == 0
+    assert main(["list", "cable", "wire_28mm_6x36", "--json", "-"]) == 0
     (wire,) = json.loads(capsys.readouterr().out)
     assert wire["values"]["diameter"] == 0.028
     assert "EN 12385-4" in wire["sources"][0]

@@ -82,7 +82,7 @@ def find(kind: str, name: object, where: str = "") -> Entry:
     if isinstance(name, str) and name in known:
         return known[name]
     near = _nearest(str(name), list(known))
-    hint = f"did you mean {near}?" if near else f"heave catalogue {kind} lists them"
+    hint = f"did you mean {near}?" if near else f"heave list {kind} lists them"
     opening = f"{where}: " if where else ""
     raise ParameterError(f"{opening}there is no {kind} {name} in the catalogue; {hint}")
 

@@ -80,7 +80,7 @@ def test_a_name_that_is_not_there_is_answered_with_the_nearest():
     with pytest.raises(ParameterError, match=r"did you mean wire_44mm_6x36\?"):
         with_entries(given(system__cable="wire_45mm_6x36"))
     for other_size in ("wire_99mm_6x36", "wire_29mm"):
-        with pytest.raises(ParameterError, match="in the catalogue; heave catalogue cable lists them"):
+        with pytest.raises(ParameterError, match="in the catalogue; heave list cable lists them"):
             find("cable", other_size)
-    with pytest.raises(ParameterError, match="there is no winch 3 in the catalogue; heave catalogue winch lists them"):
+    with pytest.raises(ParameterError, match="there is no winch 3 in the catalogue; heave list winch lists them"):
         with_entries(given(system__winch=3))

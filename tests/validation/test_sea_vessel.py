@@ -24,7 +24,7 @@ GRID = np.linspace(0.15, 6.0, 900)
 
 def boom_tip(seed=1, **values):
     """Return three hours of boom-tip motion, shape (n, 3)."""
-    defaults = {"significant_wave_height": 2.5, "peak_period": 9.0, "ramp": 0.0, "estimate.period": 3600.0}
+    defaults = {"significant_wave_height": 2.5, "peak_period": 9.0, "ramp": 0.0}
     parameters = build_parameters(WaveVesselParameters, defaults | values, where="test")
     vessel = WaveVessel(parameters, seed=seed, tick_period=DT)
     return np.array([vessel.step(tick).boom_tip.position for tick in range(1, round(DURATION / DT) + 1)])

@@ -349,11 +349,9 @@ class RunLink:
         self.situation.load_cell = message.tension
 
     def _on_controller(self, message: ControllerState) -> None:
-        self.situation.controller = ControllerStatus(
-            seconds_of(message.header.stamp),
-            *_of_controller(message),
-            limits=tuple(message.active_limits),
-        )
+        newest = ControllerStatus(seconds_of(message.header.stamp), *_of_controller(message))
+        newest.limits = tuple(message.active_limits)
+        self.situation.controller = newest
 
     def _on_winch(self, message: WinchState) -> None:
         newest = WinchStatus(seconds_of(message.header.stamp), *_of_winch(message))

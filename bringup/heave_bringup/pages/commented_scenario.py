@@ -21,8 +21,8 @@ INDENT = "  "
 COMMENTS_AT = 50
 
 HEAD = """# {title}
-# Values are SI. Parameters not listed keep their defaults; heave params lists all. heave catalogue lists the cables,
-# units and winches that can be given by name. Run it: heave run {path}
+# Values are SI. Parameters not listed keep their defaults; heave params lists all. heave list cable (unit, winch)
+# lists those that can be given by name. Run it: heave run {path}
 """
 SECTION_WORDS = {
     WILDCARD: "the run, its criteria (wanted), and what ship and controller share",

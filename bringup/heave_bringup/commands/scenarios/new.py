@@ -59,7 +59,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_model(parser, "start from the values of this scenario")
     for kind in KINDS:
         words = "load (unit)" if kind == "unit" else kind
-        parser.add_argument(f"--{kind}", metavar="NAME", help=f"a {words} of the catalogue (heave catalogue {kind})")
+        parser.add_argument(f"--{kind}", metavar="NAME", help=f"a {words} of the catalogue (heave list {kind})")
     for name, of in LIFT.items():
         parser.add_argument(f"--{name}", metavar=of.unit.upper(), type=float, help=of.words)
     parser.add_argument("--title", metavar="TEXT", help="title of the lift in its reports")

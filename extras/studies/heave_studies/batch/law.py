@@ -64,9 +64,7 @@ UNBELIEVED = (
     *("system.linear.", "system.sensors.mru.latency", "system.sensors.velocity.", "system.sensors.imu."),
     "system.sensors.load_cell.",
 )
-"""Words in which ship and controller may differ: the linear plant beside the cable, sensors that no screened law takes,
-and a latency that stamps tell.
-"""
+"""Words in which ship and controller may differ: those that no screened law takes, and a latency that stamps tell."""
 
 LAWS = ("off", "lqg", "mpc")
 """Laws that are u = -G x away from their limits, or hold the winch."""
