@@ -194,7 +194,7 @@ class SensorNoise(Part):
         return part("add_noise", result=NUMBER)(*self.noise_at, value, stated)
 
     def stands_out(self, innovation):
-        return part("stands_out", result=FLAG)(self.noise_at[2], innovation)
+        return part("stands_out", result=FLAG)(*self.noise_at[1:], innovation)
 
     def news(self):
         """Return the ratio to the nominal noise when it has become much larger; else 0."""

@@ -10,14 +10,11 @@ bool advance_mean(MeanPayout &mean) {
     Move &move = mean.move;
     const double before = move.rate, dt = mean.tick_period;
     const bool halts = int(move.kind) == HALT;
+    advance_move(move, dt, mean.jerk_time);
     if (halts) {
-        move.rate = std::copysign(std::max(std::abs(before) - move.acceleration * dt, 0.0), before);
         move.slope = move.rate == 0.0 ? 0.0 : (move.rate - before) / dt;
         if (move.rate == 0.0) move.kind = STAND;
-    } else {
-        advance_move(move, dt, mean.jerk_time);
-        if (int(move.kind) == NONE) return false;
-    }
+    } else if (int(move.kind) == NONE) return false;
     mean.payout += 0.5 * (before + move.rate) * dt;
     return halts && int(move.kind) == STAND;
 }

@@ -48,9 +48,9 @@ double add_noise(const Health &health, const Measured &measured, SensorNoise &no
 
 // Whether the newest reading is as far off those before it as off its prediction, by half at least: a spike is. One that goes
 // on from those before says that the prediction is wrong.
-bool stands_out(const SensorNoise &noise, double innovation) {
+bool stands_out(const Measured &measured, const SensorNoise &noise, double innovation) {
     const int count = int(noise.count) - 3;
-    return count < 1 || noise.differences[(count - 1) % NOISE_READINGS] > 0.5 * std::abs(innovation);
+    return !measured.is_judged || count < 1 || noise.differences[(count - 1) % NOISE_READINGS] > 0.5 * std::abs(innovation);
 }
 
 // Whether the noise has just become much larger than nominal, or than reported; then `factor` over the nominal one.

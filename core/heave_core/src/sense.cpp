@@ -175,8 +175,7 @@ void take_in(const Core &core, const LookAt &given, int count, const Room &room)
 }
 
 // Take back the samples of which the filter refused a reading, and note what innovations say; one that came too late to be
-// compared says nothing against the sensor. Readings that have been inconsistent for long, or go on from those before, are no
-// spikes.
+// compared says nothing against the sensor. Readings inconsistent for long, or that go on from those before, are no spikes.
 int learn(const Core &core, const Room &room) {
     const SenseDesign &design = core.design;
     bool is_refused[SENSORS] = {}, is_spike[SENSORS] = {};
@@ -193,8 +192,7 @@ int learn(const Core &core, const Room &room) {
         if (said.accepted != 0.0 || !std::isfinite(said.nis)) continue;
         is_refused[measured.sensor] = true;
         const SensorNoise &noise = core.state.noises[row];
-        const bool is_alone = !measured.is_judged || stands_out(noise, said.innovation);
-        if (is_alone && noise.mean <= design.watches.inconsistent) is_spike[measured.sensor] = true;
+        is_spike[measured.sensor] |= noise.mean <= design.watches.inconsistent && stands_out(measured, noise, said.innovation);
     }
     for (int sensor = 0; sensor < SENSORS; sensor++)
         if (is_refused[sensor]) take_back(design.health, core.state.gates[sensor], SPIKE, is_spike[sensor]);

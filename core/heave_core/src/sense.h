@@ -22,7 +22,7 @@ double largest_age(const Health &health, const Sensor &sensor, const SensorGate 
 double median(int count, const double *values);
 void begin_noise(const Measured &measured, SensorNoise &noise);
 double add_noise(const Health &health, const Measured &measured, SensorNoise &noise, double value, double stated);
-bool stands_out(const SensorNoise &noise, double innovation);
+bool stands_out(const Measured &measured, const SensorNoise &noise, double innovation);
 bool has_worse_noise(const Health &health, const Measured &measured, SensorNoise &noise);
 void begin_interval(const Health &health, const Sensor &sensor, OwnInterval &interval);
 void add_interval(const Health &health, const Sensor &sensor, OwnInterval &interval, double value);

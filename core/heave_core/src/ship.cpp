@@ -264,9 +264,8 @@ int observe_count(const Design &design, State &state, const Readings &readings, 
 }
 
 // Step of the load cell beyond a share of the static tension and the stretch that the ship's motion makes since its last
-// reading, k R t: no load does that on a cable that was taut. One that is caught from slack at twice that speed, or a drum that
-// suddenly goes otherwise than sent, makes no more than T + 2 k R sqrt(a). A step is taken off: spreads go on without it.
-// 0: none [N].
+// reading, k R t: no load does that on a cable that was taut. One that is caught from slack, or a drum that goes suddenly
+// otherwise than sent, makes no more than T + 2 k R sqrt(a). It is taken off: spreads go on without it. 0: none [N].
 double load_step(const Design &design, State &state, const Readings &readings, const Ship &ship) {
     const Bounds &bounds = design.envelope;
     state.load_age += design.tick_period;

@@ -214,7 +214,7 @@ def accepted(
     is_clear = not others or min(others) - best.total >= CLEARLY
     names = list(used)
     news = best.culprits - present.culprits
-    # two at once are seldom, and leave nothing for a third
+    # two things at once are seldom, and leave nothing for a third
     left = EXPLAINED if len(news) > 1 else max(EXPLAINED, SHARE_LEFT * present.worst(names))
     is_explained = best.worst(names) <= (MISFIT if DAMPING in best.changes else left) and not worsens(best, present)
     if present.excluded and present.excluded not in best.culprits and not present.motion > TELLING:
@@ -226,14 +226,11 @@ def accepted(
 
 
 def worsens(found: Hypothesis, present: Hypothesis) -> bool:
-    """Return whether a sensor is further from its prediction under what was `found` than under the `present`.
-
-    A delay, which is made up for by a slope alone, leaves something.
-    """
-    if MRU_DELAY in found.changes:
-        return False
-    before = present.misfits
-    return any(misfit > WITNESSED * max(before[row], 1.0) for row, misfit in found.misfits.items() if row in before)
+    """Return whether a sensor is further from its prediction under what was `found` than under the `present`."""
+    rows = present.misfits.keys() & found.misfits.keys()
+    # a delay is made up for by a slope alone, which leaves something
+    allowed = math.inf if MRU_DELAY in found.changes else WITNESSED
+    return any(found.misfits[row] > allowed * max(present.misfits[row], 1.0) for row in rows)
 
 
 def is_witnessed(found: Hypothesis, present: Hypothesis) -> bool:

@@ -117,38 +117,33 @@ class KalmanEstimator:
     @property
     def estimate(self) -> Array:
         """State estimate, shape (n,)."""
-        return self._filter.x
-
-    @property
-    def kalman(self) -> KalmanFilter:
-        """The filter of the core, another one after each jump."""
-        return self._filter
+        return self.kalman.x
 
     @property
     def covariance(self) -> Array:
         """Covariance of the estimate, shape (n, n)."""
-        return self._filter.P
+        return self.kalman.P
 
     @property
     def missing_push(self) -> float:
         """How much further down the model pushes the unit at the estimate than a slack cable does [m]."""
-        return self._filter.missing_push
+        return self.kalman.missing_push
 
     @property
     def tick(self) -> int | None:
         """Tick of the estimate; None before the first."""
-        return self._filter.tick
+        return self.kalman.tick
 
     @property
     def streams(self) -> dict[str, float]:
         """Innovation of the last accepted reading, by name: a reading that continues it is accepted."""
-        found = zip(self.measurements, self._filter.streams.tolist(), strict=True)
+        found = zip(self.measurements, self.kalman.streams.tolist(), strict=True)
         return {name: stream for name, stream in found if not math.isnan(stream)}
 
     @property
     def refusals(self) -> dict[str, int]:
         """Number of readings that were refused in a row, by name."""
-        return dict(zip(self.measurements, self._filter.refusals.tolist(), strict=True))
+        return dict(zip(self.measurements, self.kalman.refusals.tolist(), strict=True))
 
     def value(self, output: str) -> float:
         """Return the estimate of an output of the model."""
@@ -187,7 +182,7 @@ class KalmanEstimator:
     def set_process_noise(self, covariance: Array) -> None:
         """Use another covariance of the process noise of a tick, shape (n, n), until the next model."""
         self._filter_model = self._filter_model._replace(Q=covariance)
-        self._filter.set_noise(covariance)
+        self.kalman.set_noise(covariance)
 
     def reset(
         self,
@@ -199,7 +194,7 @@ class KalmanEstimator:
 
         `streams` are those of an estimator that this one takes the place of.
         """
-        self._filter = KalmanFilter(
+        self.kalman = KalmanFilter(  # the filter of the core, another one after each jump
             self._filter_model,
             self._gate,
             self._kept,
@@ -209,7 +204,7 @@ class KalmanEstimator:
         self.innovations = {}
         for name, stream in (streams or {}).items():
             if name in self._which:
-                self._filter.streams[self._which[name]] = stream
+                self.kalman.streams[self._which[name]] = stream
 
     def continue_at(
         self, tick: int, estimate: Array, covariance: Array, streams: Mapping[str, float] | None = None
@@ -250,7 +245,7 @@ class KalmanEstimator:
         for tick in record:
             rows += self._rows(tick)
             ticks.append((tick.number, tick.command, len(rows)))
-        said = zip(rows, self._filter.run(ticks, rows), strict=True)
+        said = zip(rows, self.kalman.run(ticks, rows), strict=True)
         names = self._names
         followed = [
             {

@@ -41,7 +41,8 @@ class MeanMotion:
         at_once, carried = replace(parameters, jerk_time=0.0), self.record["carried"]
         # by which the mean is carried along
         self.carried = MeanPayout(at_once, tick_period=tick_period, record=carried)
-        self._address, self._advance = self.record.ctypes.data, library().heave_core_advance_motion
+        self.address: int = self.record.ctypes.data  # of the core's MeanMotion
+        self._advance = library().heave_core_advance_motion
         self._model: LinearModel | None = None
         self.state = np.zeros(order)
 
@@ -56,11 +57,6 @@ class MeanMotion:
     def state(self, state: Array) -> None:
         self._states = self.record["state"][0, : len(state)]
         self._states[:] = state
-
-    @property
-    def address(self) -> int:
-        """Address of the core's MeanMotion."""
-        return int(self._address)
 
     @property
     def set_point(self) -> float:
@@ -118,7 +114,7 @@ class MeanMotion:
         if model is not self._model:
             self._model, self._matrices = model, (np.ascontiguousarray(model.A), model.B[:, 0].copy())
             self._of_model = [matrix.ctypes.data for matrix in self._matrices]
-        self.advanced(self._advance(*self._of_model, self._address, len(self._states), command, is_braked))
+        self.advanced(self._advance(*self._of_model, self.address, len(self._states), command, is_braked))
 
     def advanced(self, moved: int) -> None:
         """Take in that the core has advanced it by a tick, and which payouts have `moved`, bits of Moved."""

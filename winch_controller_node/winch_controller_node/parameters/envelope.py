@@ -75,6 +75,6 @@ class EnvelopeParameters:
     harm_felt: float = 2.0
     # step of the load cell that is a jump, beyond the ship's motion, over the static tension [-]
     load_step: float = 0.15
-    # tension over static below which the cable may snap [-]: then no jump is detected for harm_time
+    # tension over static below which the cable may snap [-]: for harm_time what a caught load makes is no jump
     load_taut: float = 0.5
     harm_time: float = 10.0  # time constant of those spreads, and time for which they must say so [s]

@@ -60,15 +60,15 @@ class EncoderReflex:
         # drum or encoder go the other way, and which of them is not known: nothing can be done with the winch
         self.is_unresolved = False
         self._is_reversed = True
-        self._verdict: Alarm | None = None
+        self.named: Alarm | None = None  # which of drive and encoder was found at fault; None: neither
 
     @property
     def inhibition(self) -> Alarm | None:
         """Why compensation must be off until an operator asks for it; None: it need not."""
         if not self.is_unresolved:
             return None
-        if self._verdict is not None:
-            return self._verdict
+        if self.named is not None:
+            return self.named
         return ALARMS.alarm(
             "DRUM_OR_ENCODER: unresolved reversal" if self._is_reversed else "DRUM_OR_ENCODER: unresolved scale"
         )
@@ -80,23 +80,18 @@ class EncoderReflex:
 
     def restart(self) -> None:
         """Restart: an operator asks for the encoder to be tried, or another scale is assumed."""
-        self.is_unresolved, self._verdict = False, None
+        self.is_unresolved, self.named = False, None
         self._looks, self._aside_time = 0, 0.0
-
-    @property
-    def named(self) -> Alarm | None:
-        """Which of drive and encoder was found at fault; None: neither."""
-        return self._verdict
 
     @property
     def is_separated(self) -> bool:
         """Tell whether drive or encoder has been named."""
-        return self._verdict is not None
+        return self.named is not None
 
     def agrees(self) -> None:
         """Note that count and commands agree again."""
         if not self.is_unresolved:
-            self._verdict = None
+            self.named = None
 
     def separate(self, by_count: SecondFilter) -> Alarm | None:
         """Return which of drive and encoder is at fault, once a sensor beside them shows it; None: not yet.
@@ -107,11 +102,11 @@ class EncoderReflex:
         if abs(nats) < SEPARATED:
             return None
         witness = by_count.witness[0] if nats > 0.0 else by_count.witness_against
-        self._verdict = ALARMS.alarm(
+        self.named = ALARMS.alarm(
             "DRIVE_AT_FAULT" if nats > 0.0 else "SENSOR_LOST, ENCODER: at fault", witness=MEASURED_WORDS[witness]
         )
         self.is_unresolved |= nats > 0.0
-        return self._verdict
+        return self.named
 
     def is_due(self, tick: int) -> bool:
         """Return whether a look is due before a `tick`."""
