@@ -185,7 +185,6 @@ def time_of_numbers(numbers: Array, heading: str = "", scale: float = 1.0) -> tu
         return numbers * scale, []
     words = re.split(r"[^a-z]+", heading.lower())
     unit = next((_HEADING_UNITS[word] for word in words if word in _HEADING_UNITS), 0.0)
-    middle = float(np.nanmedian(numbers))
     if unit:
         return numbers * unit, [f"time: taken in units of {unit:g} s, as its heading says"]
     time, notes = from_1970(numbers)
