@@ -155,6 +155,11 @@ rclpy.spin(node)
 
 
 ALONE = "WITH_TIP = False\n" + ON_ITS_OWN_TIMER
+BY_EVENTS = ALONE.replace(
+    "rclpy.spin(node)",
+    "from rclpy.experimental.events_executor import EventsExecutor\n"
+    "executor = EventsExecutor()\nexecutor.add_node(node)\nwhile True:\n    executor.spin_once(timeout_sec=1.0)",
+)
 
 
 def test_a_correct_sensor_that_publishes_by_its_own_timer_passes_also_what_it_sent_before_the_clock_began():
@@ -167,6 +172,7 @@ def test_a_correct_sensor_that_publishes_by_its_own_timer_passes_also_what_it_se
     ("program", "replaces", "wrong"),
     [
         (ALONE, "mru=external:own", ""),
+        (BY_EVENTS, "mru=external", ""),
         (ALONE.replace("0.3 *", "300.0 *"), "mru=external", "mru: numbers"),
         (ALONE.replace("create_timer(0.05", "create_timer(0.5"), "mru=external", "mru: rate"),
         (ALONE, "wave_vessel=external", "boom_tip: publisher"),

@@ -79,12 +79,15 @@ def test_each_figure_says_what_it_is_made_from(sea_trial):
     }
     assert record.signals.unit_height.value.mean() == pytest.approx(-DEPTH, abs=0.01)
     rows = {line[:40].strip(): line for line in analysis.table([record]).splitlines()}
-    assert any("efficiency at the load" in name and line.endswith("%  estimated") for name, line in rows.items())
+    assert any(
+        "efficiency at the load" in name and line.endswith("%  estimated by the controller's own sensors")
+        for name, line in rows.items()
+    )
     assert any(
         "efficiency of the rope at the boom tip" in name and line.endswith("%  measured") for name, line in rows.items()
     )
     assert "the true values were not recorded" in analysis.table([record])
-    assert "<small>estimated</small>" in render([record])
+    assert "<small>estimated by the controller&#39;s own sensors</small>" in render([record])
     assert analysis.to_json(record)["sources"] == record.sources
 
 

@@ -115,8 +115,8 @@ def leave_out_other_ros(environment: MutableMapping[str, str], path: list[str]) 
     Returns in words which, "" where there is none. Where the suite has no ROS but that of PYTHONPATH, as built by
     colcon, that one stays.
     """
-    given = environment.get("PYTHONPATH", "").split(os.pathsep)
-    own = [Path(folder) for folder in path if folder and folder not in given]
+    given = [Path(folder).absolute() for folder in environment.get("PYTHONPATH", "").split(os.pathsep) if folder]
+    own = [Path(folder) for folder in path if folder and Path(folder) not in given]
     hidden = [name for name in _COMPILED if any((folder / name).is_dir() for folder in own)]
     if "rclpy" not in hidden:
         return ""
@@ -129,7 +129,8 @@ def leave_out_other_ros(environment: MutableMapping[str, str], path: list[str]) 
     for name, folders in others.items():
         kept = [folder for folder in environment.pop(name).split(os.pathsep) if folder not in folders]
         environment.update({name: os.pathsep.join(kept)} if kept else {})
-    path[:] = [folder for folder in path if folder not in others.get("PYTHONPATH", ())]
+    taken = [Path(folder).absolute() for folder in others.get("PYTHONPATH", ())]
+    path[:] = [folder for folder in path if Path(folder) not in taken]
     found = "; ".join(f"{name} {', '.join(folders)}" for name, folders in others.items())
     return f"what hides this installation's rclpy, heave_msgs or numpy is left out: {found}" if found else ""
 

@@ -64,13 +64,14 @@ def test_another_of_its_compiled_modules_is_left_out_where_it_has_its_own(name, 
         (tmp_path / "own" / name).mkdir(exist_ok=True)
 
 
-def test_a_numpy_of_another_python_is_one_line(tmp_path):
+@pytest.mark.parametrize("ending", ["", "/", "/."])
+def test_a_numpy_of_another_python_is_one_line(ending, tmp_path):
     """It must be left out before it is imported."""
     (tmp_path / "numpy").mkdir()
     (tmp_path / "numpy" / "__init__.py").write_text("raise ImportError('built for another Python')\n")
     command = [sys.executable, "-c", "from heave_bringup.cli import main; main(['list'])"]
     run = subprocess.run(
-        command, env={**os.environ, "PYTHONPATH": str(tmp_path)}, capture_output=True, text=True, check=True
+        command, env={**os.environ, "PYTHONPATH": f"{tmp_path}{ending}"}, capture_output=True, text=True, check=True
     )
     (line,) = run.stderr.splitlines()
     assert f"is left out: PYTHONPATH {tmp_path}" in line

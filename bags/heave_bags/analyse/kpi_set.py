@@ -25,6 +25,8 @@ from heave_bags.signals import RunSignals, Signal
 
 SOURCES = ("estimated", "measured", "true")
 """Sources of a motion, the least certain first."""
+BESIDE = {"estimated": "estimated by the controller's own sensors", "measured": "measured"}
+"""What is said of them beside a figure: an error of these sensors is none of the figure."""
 UNIT_HEAVE, FREE_HEAVE, TIP_HEAVE = "load heave", "load heave, winch locked", "boom-tip heave"
 TOP_TENSION, PAYOUT, BASELINE = "top tension", "payout", "baseline"
 _OF_TENSION = (
@@ -345,7 +347,7 @@ def table(
     rows = [("", "", *columns)]
     for definition in shown(list(columns.values())) if keys is None else [DEFINITION_OF[key] for key in keys]:
         cells = [definition.text(values.get(definition.key, math.nan)) for values in columns.values()]
-        marks = {source_of(definition.key, of_run) for of_run in sources.values()} - {"", SOURCES[-1]}
+        marks = {BESIDE.get(source_of(definition.key, of_run), "") for of_run in sources.values()} - {""}
         beside = [definition.unit, ", ".join(sorted(marks)), notes.get(definition.key, "")]
         rows.append((definition.title, "  ".join(text for text in beside if text), *cells))
     widths = [max(len(row[column]) for row in rows) for column in range(len(rows[0]))]

@@ -14,7 +14,7 @@ from typing import Any
 from jinja2 import Environment, FunctionLoader, StrictUndefined, Template
 
 from heave_bags.analyse import analysis, differences, kpi_set, run_warnings, run_words
-from heave_bags.analyse.kpi_set import SOURCES, source_of
+from heave_bags.analyse.kpi_set import BESIDE, source_of
 from heave_bags.analyse.run_record import RunRecord
 from heave_bags.analyse.verdict import FAILED, NO_VERDICT, Verdict, judge
 from heave_bags.errors import BagError
@@ -178,7 +178,7 @@ def _tiles(record: RunRecord, values: Mapping[str, float]) -> list[dict[str, Any
     for key in headline.headline(record, values):
         definition = kpi_set.DEFINITION_OF[key]
         source = source_of(key, record.sources)
-        notes = [headline.note(record, key), source if source != SOURCES[-1] else ""]
+        notes = [headline.note(record, key), BESIDE.get(source, "")]
         found.append(
             {
                 "name": definition.title,
@@ -203,7 +203,10 @@ def _groups(columns: Sequence[Mapping[str, float]], sources: Sequence[Mapping[st
                 "symbols": definition.symbols,
                 "unit": definition.unit,
                 "cells": [
-                    {"text": definition.text(column[definition.key]), "source": source_of(definition.key, of)}
+                    {
+                        "text": definition.text(column[definition.key]),
+                        "source": BESIDE.get(source_of(definition.key, of), ""),
+                    }
                     for column, of in zip(columns, sources, strict=True)
                 ],
             }

@@ -65,7 +65,8 @@ def judge_topic(port: Port, heard: Heard, rule: ClockRule = ClockRule.DETECT) ->
     if wrong or heard.refusals:
         return found
     if not heard.arrivals:
-        return [*found, finding("messages", False, "none received: does the node receive clock?")]
+        words = "none received: does the node receive clock, and serve its callbacks (EventsExecutor: by spin_once)?"
+        return [*found, finding("messages", False, words)]
     return [*found, _rate(port, heard), _stamps(port, heard, rule), _numbers(port, heard), *_counter(port, heard)]
 
 

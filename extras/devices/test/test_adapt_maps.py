@@ -104,7 +104,7 @@ def of_novatel(t):
         "roll": math.degrees(0.1),
         "pitch": -math.degrees(0.02),
     }
-    status = 3 if t % 40.0 < 39.8 else 1
+    status = (3, 6, 7)[int(t) % 3] if t % 40.0 < 39.8 else 1  # a ship that keeps its place stays at 7
     if status == 1:
         values["height"] = -9999.0
     yield "/novatel/oem7/inspva", made("novatel_oem7_msgs/msg/INSPVA", t, **values, status__status=status)

@@ -230,6 +230,20 @@ def test_a_sample_that_is_older_than_one_before_is_not_used():
     assert (clock.late, clock.glitches, clock.restarts) == (1, 1, 0)
 
 
+@pytest.mark.parametrize(("kind", "first"), [("uint16", 65_300), ("int16", 32_600)])
+def test_a_count_in_a_whole_number_goes_on_past_its_end(kind, first):
+    """Millimetres in 16 bits begin again each 65 m; it was taken for a lost count, and what the drum moved was lost."""
+    bits = int(kind.lstrip("uint"))
+    least = 0 if kind.startswith("u") else -(1 << bits - 1)
+    counts = [(first + 100 * k - least) % (1 << bits) + least for k in (0, 1, 2, 3, 2, 1)]
+    field = f"input:0:{kind}"
+    payout = {"field": field, "unit": "mm", "zero_at_start": True}
+    adapter = Adapter(device_map_of("m", {"source": {"modbus": "1"}, "payout": payout}))
+    found = [adapter.on_samples([Sample("MODBUS", {field: float(one)})], 0.05 * k) for k, one in enumerate(counts)]
+    assert [reading.payout for ((_, reading),) in found] == pytest.approx([0.0, 0.1, 0.2, 0.3, 0.2, 0.1])
+    assert adapter.drum_count.jumps == 0
+
+
 def test_a_drum_whose_first_value_stands_for_none_in_a_way_that_nobody_stated_is_read_once_it_has_one():
     """-9999 m can be, so it is the zero; the true 12.3 m then was 10 km from it, and was refused for ever."""
     adapter = Adapter(

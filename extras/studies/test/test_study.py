@@ -10,6 +10,7 @@ import random
 import signal
 import subprocess
 import sys
+import threading
 import time
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
@@ -339,18 +340,39 @@ def test_a_scheduler_that_does_not_answer_is_one_line():
         pass
 
 
-def test_a_worker_without_the_suite_is_one_line(monkeypatch):
-    """Else it would end with the first job, which it cannot read, and nothing would come from it for ever."""
+@pytest.mark.parametrize(
+    ("call", "trouble", "words"),
+    [
+        ("run", ModuleNotFoundError("No module named 'heave_studies'"), "a worker lacks the suite"),
+        ("wait_for_workers", TimeoutError(), "the scheduler has no worker: start one"),
+    ],
+)
+def test_workers_that_run_nothing_are_one_line(call, trouble, words, monkeypatch):
+    """Else one would end with the first job, which it cannot read, and nothing would come from it for ever."""
     import distributed  # noqa: PLC0415 - slow
 
     client = MagicMock()
-    client.return_value.run.side_effect = ModuleNotFoundError("No module named 'heave_studies'")
+    getattr(client.return_value, call).side_effect = trouble
     monkeypatch.setattr(distributed, "Client", client)
-    with (
-        pytest.raises(CommandError, match="--dask tcp://there:1: a worker lacks the suite"),
-        workers(0, "tcp://there:1"),
-    ):
+    with pytest.raises(CommandError, match=f"--dask tcp://there:1: {words}"), workers(0, "tcp://there:1"):
         pass
+
+
+def test_a_worker_that_joins_late_without_the_suite_gets_no_job():
+    """One has it, and says so also when it joins after the study has begun; the other one is left idle."""
+    import distributed  # noqa: PLC0415 - slow
+
+    options = {"processes": False, "threads_per_worker": 1, "dashboard_address": None}
+    with distributed.LocalCluster(n_workers=1, **options) as cluster, workers(0, cluster.scheduler_address) as run:
+        cluster.scale(2)
+        while len(cluster.scheduler.workers) < 2:
+            time.sleep(0.05)
+        late = [worker for worker in cluster.workers.values() if worker.name != 0]
+        for worker in late:
+            cluster.sync(worker.set_resources, heave=0)  # as where the suite cannot be imported
+        jobs = [Job(number, str(number), threading.get_ident) for number in range(6)]
+        assert late
+        assert len({result for _, result in run(jobs)}) == 1
 
 
 @pytest.mark.slow

@@ -135,11 +135,6 @@ class LiveDevice:
         with self._lock:
             self.orders.take(order)
 
-    @property
-    def is_held(self) -> bool:
-        """Whether the winch says that its brake is on, or a fault is latched."""
-        return bool(self.adapter.newest.get("brake", 0.0)) or bool(self.orders.handshake.fault)
-
     def guard(self) -> None:
         """Look after the winch, and leave the boom tip to the run's vessel where there is one; called often."""
         with self._lock:

@@ -51,10 +51,6 @@ class Verdict(NamedTuple):
     words: str  # what was found
     is_tried: bool = True  # False: it could not be looked at
 
-    def seen(self) -> Verdict:
-        """Return it as one that somebody has found right by hand."""
-        return Verdict(self.what, True, "seen by you")
-
 
 def move_at(time: float, distance: float) -> tuple[float, float]:
     """Return payout from the start [m] and its rate [m/s] that are commanded a `time` [s] after it.

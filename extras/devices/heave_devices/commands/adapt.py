@@ -130,7 +130,10 @@ def _wiggle(options: argparse.Namespace, session: Session) -> None:
     from heave_devices.bench.wiggle import wiggle
 
     moved = session.alone(lambda winch, spin: wiggle(winch, spin, 1e-3 * options.wiggle))
-    found = [one if one.is_tried or one.what not in options.seen else one.seen() for one in moved]
+    found = [
+        one._replace(is_tried=True, words="seen by you") if one.what in options.seen and not one.is_tried else one
+        for one in moved
+    ]
     rows = [[verdict.what, _judgement(verdict), verdict.words] for verdict in found]
     titles = ("quantity", "verdict", "found")
     write_result(options, make_table(titles, rows, texts=titles), [verdict._asdict() for verdict in found])

@@ -93,6 +93,7 @@ class Taker:
         }
         self.zeros: dict[str, float] = {}
         self._sent: dict[str, tuple[float, float]] = {}
+        self._count = math.nan
         self._paths = {
             text: FieldPath(text)
             for channel in self._channels.values()
@@ -164,7 +165,7 @@ class Taker:
             self.counters.unavailable[name] = raw
             taken.invalid.add(name)
             return
-        value = self._factors[name] * raw + channel.offset
+        value = self._factors[name] * self._counted_on(name, raw) + channel.offset
         filtered = self._filters.get(name)
         if filtered is None and self._is_implausible(name, raw, value):
             taken.invalid.add(name)
@@ -180,6 +181,15 @@ class Taker:
                 return
         self.counters.unavailable.pop(name, None)
         taken.values[name] = value
+
+    def _counted_on(self, name: str, raw: float) -> float:
+        """Return a count `raw` of a drum in a whole number that may have passed its end: the turn nearest to before."""
+        kind = self._kinds[name]
+        if name != "payout" or not kind or kind.startswith("float"):
+            return raw
+        turn = 2.0 ** (8 * size_of(kind))
+        self._count = raw + turn * round((self._count - raw) / turn) if math.isfinite(self._count) else raw
+        return self._count
 
     def _is_implausible(self, name: str, raw: float, value: float) -> bool:
         """Return whether a `value`, sent as `raw`, cannot be one of a quantity; it is then counted and put in words."""

@@ -19,14 +19,14 @@ EARLIEST_UNIX = 1e8
 """A time from this on is a date (3 March 1973); below, it counts from some start of its own [s]."""
 DATE_ORDERS = ("dmy", "mdy")
 """Ways to read 01/03/2025: day or month first."""
-_UNIX_UNITS = ((1e17, 1e-9, "nanoseconds"), (1e14, 1e-6, "microseconds"), (1e11, 1e-3, "milliseconds"))
-"""Least number that is Unix time in a unit, seconds per unit, and its name: 1e11 s is the year 5138."""
 _EPOCHS = (
-    *((6.2e17, 6.6e17, 1e-7, 62135596800.0, ".NET"), (1.2e17, 1.4e17, 1e-7, 11644473600.0, "Windows")),
-    *((6.2e10, 6.6e10, 1.0, 62135596800.0, "the year 1"), (1.2e10, 1.4e10, 1.0, 11644473600.0, "1601")),
-    (2.7e9, 4.3e9, 1.0, 2082844800.0, "1904, as LabVIEW's are"),
+    (6.2e17, 6.6e17, 1e-7, 62135596800.0, "ticks of .NET, 100 ns from the year 1"),
+    (1.2e17, 1.4e17, 1e-7, 11644473600.0, "a FILETIME, 100 ns from 1601"),
+    *((1e17, math.inf, 1e-9, 0.0, "nanoseconds of Unix time"), (1e14, 1e17, 1e-6, 0.0, "microseconds of Unix time")),
+    (1e11, 1e14, 1e-3, 0.0, "milliseconds of Unix time"),
+    *((6.2e10, 6.6e10, 1.0, 62135596800.0, "seconds from the year 1"), (2.7e9, 4.3e9, 1.0, 2082844800.0, "from 1904")),
 )
-"""Times from another start than 1970: between which numbers, seconds per unit, 1970 in them [s], and their name."""
+"""Times of a date: between which numbers, seconds per unit, 1970 in them [s], and name. 1904 is LabVIEW's."""
 _HEADING_UNITS = {
     **{"ms": 1e-3, "msec": 1e-3, "milliseconds": 1e-3, "us": 1e-6, "microseconds": 1e-6, "ns": 1e-9},
     **{"min": 60.0, "mins": 60.0, "minutes": 60.0, "h": 3600.0, "hr": 3600.0, "hrs": 3600.0, "hours": 3600.0},
@@ -185,15 +185,11 @@ def time_of_numbers(numbers: Array, heading: str = "", scale: float = 1.0) -> tu
         return numbers * scale, []
     words = re.split(r"[^a-z]+", heading.lower())
     unit = next((_HEADING_UNITS[word] for word in words if word in _HEADING_UNITS), 0.0)
-    middle = float(np.nanmedian(numbers))
     if unit:
         return numbers * unit, [f"time: taken in units of {unit:g} s, as its heading says"]
     time, notes = from_1970(numbers)
     if notes:
         return time, notes
-    for least, unit, name in _UNIX_UNITS:
-        if middle > least:
-            return numbers * unit, [f"time: taken as {name} of Unix time"]
     for attempt in (_as_days, _as_clock_numbers):
         time, notes = attempt(numbers)
         if notes:
@@ -203,15 +199,11 @@ def time_of_numbers(numbers: Array, heading: str = "", scale: float = 1.0) -> tu
 
 
 def from_1970(numbers: Array) -> tuple[Array, list[str]]:
-    """Return `numbers` that count from 1904, 1601 or the year 1 as Unix time [s], and what was done; others as given.
-
-    As Unix time they would be of a year in which no record was made.
-    """
+    """Return `numbers` of another unit or start than Unix seconds as these [s], and what was done; others as given."""
     middle = float(np.nanmedian(numbers))
     for least, most, unit, zero, name in _EPOCHS:
         if least < middle < most:
-            kind = "seconds from" if unit == 1.0 else "ticks of 100 ns of"
-            return numbers * unit - zero, [f"time: taken as {kind} {name}"]
+            return numbers * unit - zero, [f"time: taken as {name}"]
     return numbers, []
 
 

@@ -28,6 +28,10 @@ KILLED = "KilledWorker"
 """Name of Dask's exception for it."""
 IN_HAND = 2
 """Jobs that a worker has in hand: one runs, one waits."""
+HAS_SUITE = "heave"
+"""Resource of Dask that a worker with the suite has, one for each thread."""
+LONGEST_WAIT = 30.0
+"""Wall time within which a worker must have joined a scheduler [s]."""
 
 
 @dataclass(frozen=True)
@@ -61,7 +65,7 @@ def workers(processes: int | None = None, address: str | None = None) -> Iterato
         return
     dask = optional("distributed", f"--dask {address}" if address else f"--processes {processes}", "studies")
     with _patience(), _client(dask, processes, address) as client:
-        yield lambda jobs: _run_on(dask, client, jobs)
+        yield lambda jobs: _run_on(dask, client, jobs, {HAS_SUITE: 1} if address else None)
 
 
 def run_here(jobs: Sequence[Job]) -> Iterator[tuple[Job, Any]]:
@@ -104,9 +108,13 @@ def _client(dask: Any, processes: int, address: str | None) -> Iterator[Any]:
             raise CommandError(f"--dask {address}: no scheduler answers: {' '.join(str(error).split())}") from error
         with client:
             try:
-                client.run(import_module, "heave_studies")  # a worker without it would end with its first job, unheard
+                client.wait_for_workers(1, timeout=LONGEST_WAIT)
+                client.run(import_module, "heave_studies")
+            except TimeoutError as error:
+                raise CommandError(f"--dask {address}: the scheduler has no worker: start one") from error
             except ImportError as error:
                 raise CommandError(f"--dask {address}: a worker lacks the suite ({error}): install it there") from error
+            client.register_plugin(_says_has_suite(dask))
             yield client
         return
     cluster = dask.LocalCluster(
@@ -126,6 +134,21 @@ def _client(dask: Any, processes: int, address: str | None) -> Iterator[Any]:
     cluster.close()
 
 
+def _says_has_suite(dask: Any) -> Any:
+    """Return what lets each worker, also one that joins later, say that it has the suite.
+
+    One without it would end with its first job, which it cannot read, and nothing would come from it for ever. It is
+    no part of this module for such a worker: a class of its own is sent whole.
+    """
+
+    class SaysHasSuite(dask.WorkerPlugin):  # type: ignore[misc]
+        async def setup(self, worker: Any) -> None:
+            import_module("heave_studies")
+            await worker.set_resources(**{HAS_SUITE: worker.state.nthreads})
+
+    return SaysHasSuite()
+
+
 def _belong_to(command: int) -> None:
     """Let a worker end with the process of the `command`, which alone hears the Ctrl-C of a terminal: it ends it."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
@@ -140,8 +163,11 @@ def _kill(cluster: Any) -> None:
             os.kill(nanny.pid, signal.SIGKILL)
 
 
-def _run_on(dask: Any, client: Any, jobs: Sequence[Job]) -> Iterator[tuple[Job, Any]]:
-    """Run the jobs on the workers of a scheduler. What a worker had in hand that died is run once more, one by one."""
+def _run_on(dask: Any, client: Any, jobs: Sequence[Job], needs: Mapping[str, int] | None) -> Iterator[tuple[Job, Any]]:
+    """Run the jobs on the workers of a scheduler that have what it `needs`.
+
+    What a worker had in hand that died is run once more, one by one.
+    """
     waiting = iter(jobs)
     job_of: dict[Any, Job] = {}
     suspects: list[Job] = []
@@ -150,7 +176,7 @@ def _run_on(dask: Any, client: Any, jobs: Sequence[Job]) -> Iterator[tuple[Job, 
 
     def submit(jobs: Iterable[Job]) -> None:
         for job in jobs:
-            future = client.submit(job.work, pure=False)
+            future = client.submit(job.work, pure=False, resources=needs)
             job_of[future] = job
             coming.add(future)
 
