@@ -270,9 +270,6 @@ def test_a_study_of_which_no_case_ran_ends_with_status_1(kind, monkeypatch, caps
         (["sizing", "b9_model_error"], "no criteria: give the study some (wanted), or --require"),
         (["sizing", "--ask", "speed=-1"], "ask: speed = -1: must be a number above 0 [m/s]"),
         (["sizing", "--ask", "delay=.nan"], "ask: delay = nan: must be a number above 0 [s]"),
-        (["sizing", "--ask", "efficiency=0"], "ask: efficiency = 0: must be a share, from 0.001 to 1"),
-        (["sizing", "--ask", "regeneration=1.1"], "ask: regeneration = 1.1: must be a share"),
-        (["sizing", "--ask", "energy=-1"], "ask: energy = -1: must be a number of at least 0"),
         (["sizing", "--set", "virtual_winch.drive=electric"], "its limits follow from its physics"),
     ],
 )
