@@ -37,7 +37,7 @@ SEAS = {
     "pierson_moskowitz": PiersonMoskowitz.of_height(3.0),
     "jonswap": Jonswap(3.0, 10.0),
     "ochi_hubble": OchiHubble(OchiHubbleSystem(1.5, 8.0), OchiHubbleSystem(1.0, 16.5, 3.0)),
-    "file": read_spectra(SAMPLE).select(0).spectrum,
+    "file": read_spectra(SAMPLE).records[0].spectrum,
 }
 
 
@@ -112,7 +112,7 @@ def test_a_wrong_spectrum_is_noticed():
     ("file", "record"), [("ndbc_41010.data_spec", 100), ("ndbc_46042w1996.txt.gz", 4000)], ids=["atlantic", "pacific"]
 )
 def test_the_spectrum_of_three_hours_of_a_measured_sea_is_what_the_buoy_measured(file, record):
-    sea = read_spectra(MEASURED / file).select(record).spectrum
+    sea = read_spectra(MEASURED / file).records[record].spectrum
     heave = elevation(sea)
     low = max(0.3, float(sea.edges[0]) + 0.1)
     assert_within_band(heave, sea.density, low, 2.2)
