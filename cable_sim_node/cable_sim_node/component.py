@@ -20,6 +20,7 @@ from heave_node.sensing.sensor import Sensor
 from cable_sim_node.errors import BadMotionError, PlantError
 from cable_sim_node.inputs import BridgedInput, ShadowPayout, is_finite
 from cable_sim_node.line.dynamics import CableDynamics
+from cable_sim_node.line.two_lines import TwoLines
 from cable_sim_node.node_parameters import CableSimNodeParameters
 from cable_sim_node.physics.seabed import Seabed
 from cable_sim_node.sensors.instruments import SensorTruth
@@ -230,6 +231,6 @@ def _at_rest(parameters: CableSimNodeParameters, boom_tip: Array, time: float) -
         linear = parameters.linear
         dynamics = LinearPlant(parameters, inertia=linear.inertia, damping=linear.damping)
     else:
-        dynamics = CableDynamics(parameters)
+        dynamics = (TwoLines if parameters.second_line.length > 0.0 else CableDynamics)(parameters)
     dynamics.start_at_equilibrium(boom_tip, 0.0, time=time)
     return dynamics

@@ -85,6 +85,19 @@ class SectionsParameters:
 
 
 @dataclass(frozen=True)
+class SecondLineParameters:
+    """A second line to the unit, as an umbilical; drag and damping are the main cable's, its length stays."""
+
+    length: float = parameter(0.0, "m", 0.0, None, "Unstretched length; 0: there is none.")
+    at: tuple[float, ...] = parameter((10.0, 0.0, 0.0), "m", -500.0, 500.0,
+        "Its top from the boom tip, with which it moves.", length=3)  # fmt: skip
+    diameter: float = parameter(0.03, "m", 1e-4, 2.0, "Outer diameter.")
+    mass_per_length: float = parameter(1.2, "kg/m", 1e-4, None, "Mass in air.")
+    axial_stiffness: float = parameter(5e6, "N", 1.0, None, "EA.")
+    segments: int = 20  # that it is cut into [-]
+
+
+@dataclass(frozen=True)
 class ClumpsParameters:
     """Bodies clamped on the cable (weights, floats); one entry a body in each list. Drag is (1/2) rho drag_area U^2."""
 
@@ -252,6 +265,7 @@ class CableSimParameters:
     unit: UnitParameters = group(UnitParameters)
     sections: SectionsParameters = group(SectionsParameters)
     clumps: ClumpsParameters = group(ClumpsParameters)
+    second_line: SecondLineParameters = group(SecondLineParameters)
     seabed: SeabedParameters = group(SeabedParameters)
     current_profile: CurrentProfileParameters = group(CurrentProfileParameters)
     wave: WaveKinematicsParameters = group(WaveKinematicsParameters)

@@ -77,7 +77,7 @@ def records_of(core: WinchController) -> dict[str, Any]:
         **{"command": acting["design"], "command_state": acting["state"], "envelope": core.envelope._core.design},
         **{
             "sense": core.observer.design,
-            "filter": core.estimator._filter.design,
+            "filter": core.estimator.kalman.design,
             "look": core._estimation._look.design,
         },
         **{"guard": supervisor.guard.core.design, "attempts": supervisor.guard.core.attempt_design},
