@@ -5,12 +5,13 @@ import json
 import re
 from collections import Counter
 
+import pytest
 import yaml
 from mcap.reader import make_reader
 from mcap_ros2.decoder import DecoderFactory
 from rosbags.highlevel import AnyReader
 
-from tests.loop_runs import CALM_DURATION, heave, recorded_messages
+from tests.loop_runs import CALM_DURATION, heave, recorded_messages, run_scenario
 
 TICKS = round(CALM_DURATION / 0.05)
 EVERY_TICK = (
@@ -77,6 +78,16 @@ def test_the_bag_says_what_it_is(calm_bag):
     with next(calm_bag.glob("*.mcap")).open("rb") as stream:
         attachments = {attachment.name: attachment.data for attachment in make_reader(stream).iter_attachments()}
     assert any(b"wave_vessel" in data for data in attachments.values())
+
+
+@pytest.mark.slow
+def test_the_same_seed_gives_the_same_bytes_and_another_seed_does_not(calm_bag, tmp_path):
+    again = run_scenario(tmp_path / "again", duration=CALM_DURATION)
+    assert recorded_messages(again) == recorded_messages(calm_bag)
+    other = run_scenario(
+        tmp_path / "other", duration=1.0, options=["--composed", "--seed", "2", "--set", "all.transient=0"]
+    )
+    assert not {m for m in recorded_messages(other) if m[0] == "/boom_tip"} <= set(recorded_messages(calm_bag))
 
 
 def test_kpi_and_report_work_on_the_bag(calm_bag, tmp_path):

@@ -39,7 +39,7 @@ from tests.campaigns.fault_matrix.judge import (
     unit_ratio,
 )
 from tests.campaigns.fault_matrix.moments import MOMENTS, Asked
-from tests.campaigns.fault_matrix.page import RESULTS, page
+from tests.campaigns.fault_matrix.page import RESULTS, add, page, shown_of
 from tests.campaigns.fault_matrix.run import Outcome, judged, outcome_of, run_cells
 from tests.campaigns.fault_matrix.wires import Wires
 
@@ -283,6 +283,23 @@ def test_a_creep_shows_once_it_has_carried_the_drum_away_from_where_it_was_to_be
         for lasting in (1.9, 2.2)
     ]
     assert [found.is_visible for found in seen] == [False, True]
+
+
+def test_results_make_the_page_and_those_of_the_same_commit_and_seed_are_replaced(tmp_path):
+    found = Outcome(math.inf, True, 2.0, 1.25, 0.5, math.nan, 1.0, 0.5, 0.2, alarms=("0.10 SENSOR_LOST, MRU: stale",))
+    path, ran = tmp_path / "results.json", [(cell(1, 0), found)]
+    how = {"seed": 1, "branches": 4, "after": 75.0}
+    add(path, {**how, "commit": "a" * 40}, ran)
+    add(path, {**how, "commit": "b" * 40}, ran)
+    add(path, {**how, "commit": "b" * 40}, ran)
+    campaigns = json.loads(path.read_text())
+    assert [one["commit"][0] for one in campaigns] == ["a", "b"]
+    shown, read = shown_of(campaigns[1]["rows"][0])
+    assert shown.words == cell(1, 0).words
+    assert (read.named, read.rest, read.travel, read.is_visible) == (math.inf, 2.0, 1.25, True)
+    text = page(campaigns)
+    assert "|bbbbbbbbbb|1|1|1 of 1, 100.0 %|0 of 1, 0.0 %|" in text
+    assert "**travel 1.25; not named**. 0.10 SENSOR_LOST, MRU: stale" in text
 
 
 def test_the_page_is_made_of_the_results():

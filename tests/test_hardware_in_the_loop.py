@@ -12,6 +12,57 @@ from heave_bags.mcap.reader import Bag
 
 from tests.loop_runs import HAS_RUN, beside, give, process_of, under_way, wait_until
 
+REAL_WINCH = """
+import math
+import rclpy
+from heave_msgs.msg import WinchCommand, WinchState
+from rosgraph_msgs.msg import Clock
+
+class Drive:
+    '''A drive with an encoder and nothing of this suite but its messages: follows the payout rate it is told.'''
+    def __init__(self, node):
+        self.payout = self.rate = self.wanted = 0.0
+        self.sequence = 0
+        self.state = node.create_publisher(WinchState, "winch/state", 10)
+        node.create_subscription(WinchCommand, "winch/command", self.on_command, 10)
+        node.create_subscription(Clock, "/clock", self.on_clock, 10)
+    def on_command(self, message):
+        self.wanted, self.sequence = message.payout_rate, message.sequence
+    def on_clock(self, message):
+        self.rate += 0.3 * (self.wanted - self.rate)
+        self.payout += 0.05 * self.rate
+        state = WinchState(command_sequence=self.sequence, payout=math.nan, payout_rate=math.nan)
+        state.payout_acceleration = state.tension = math.nan
+        state.encoder_payout, state.encoder_payout_rate = self.payout, self.rate
+        state.header.stamp = message.clock
+        self.state.publish(state)
+
+rclpy.init()
+node = rclpy.create_node("drive_17")
+drive = Drive(node)
+try:
+    rclpy.spin(node)
+except (KeyboardInterrupt, rclpy.executors.ExternalShutdownException):
+    pass
+"""
+
+
+@pytest.mark.slow
+@pytest.mark.long
+def test_a_real_winch_takes_the_place_of_the_virtual_one(tmp_path):
+    folder = tmp_path / "run"
+    options = ["--pacing", "realtime", "--duration", "30", "--replace", "virtual_winch=external", "--no-report"]
+    options += ["--set", "wave_vessel.ramp=5.0"]
+    with domain_id() as domain, beside(domain, "-c", REAL_WINCH):
+        run = give(domain, "run", "b2_calm_300", "--bag", str(folder), *options)
+    assert run.returncode in HAS_RUN, run.stderr
+    bag = Bag(folder / "bag")
+    winch = bag.columns({"/winch/state": ["encoder_payout", "payout"]})["/winch/state"]
+    assert np.isnan(winch["payout"]).all(), "this winch does not know its true payout, and says so"
+    assert np.ptp(winch["encoder_payout"]) > 0.01, "the controller moves it"
+    unit = bag.columns({"/unit/odometry": ["pose.pose.position.z"]})["/unit/odometry"]
+    assert np.isfinite(unit["pose.pose.position.z"]).all()
+
 
 @pytest.mark.slow
 @pytest.mark.long

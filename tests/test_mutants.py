@@ -14,6 +14,7 @@ import pytest
 from tests.campaigns.mutants.judge import ROOT, _importers
 from tests.campaigns.mutants.mutations import mutated, mutations_of
 from tests.campaigns.mutants.subjects import SUBJECTS
+from tests.campaigns.soak import Look, Soaked, is_well, judged, memory_by_node
 from tests.loop_runs import wait_until
 
 SOURCE = '''
@@ -62,10 +63,37 @@ def test_the_tests_of_each_module_are_there(name):
     assert all((ROOT / test).is_file() for test in SUBJECTS[name].tests)
 
 
+def soaked(**growing: float) -> Soaked:
+    """Return a run whose figures grow by so much to its end."""
+    looks = [
+        Look(
+            {"plant": 300.0, "adviser": 100.0 + growing.get("memory", 0.0) * share},
+            60 + round(growing.get("descriptors", 0.0) * share),
+            frozenset(f"fastdds_{number}" for number in range(20 + round(growing.get("shared_memory", 0.0) * share))),
+            5 + round(growing.get("files", 0.0) * share),
+        )
+        for share in (look / 100.0 for look in range(101))
+    ]
+    return Soaked("composed", 15.0, 3600.0, looks, [])
+
+
 def test_what_helps_tests_is_loaded_anew_with_each_mutant():
     """It held the sound module, and no mutant of the guard was caught."""
     importlib.import_module("tests.supervised")
     assert "tests.supervised" in _importers("winch_controller_node.core.supervision.guard")
+
+
+@pytest.mark.parametrize("figure", ["memory", "descriptors", "shared_memory", "files"])
+def test_a_figure_that_grows_in_a_long_run_is_found(figure):
+    assert is_well(soaked())
+    grown = soaked(**{figure: 30.0})
+    assert [name for name, *_, has_stayed in judged(grown) if not has_stayed] == [figure.replace("_", " ")]
+    assert not is_well(grown)
+
+
+def test_the_memory_of_each_node_is_known():
+    found = memory_by_node(soaked(memory=80.0))
+    assert found == {"plant": (300.0, 300.0), "adviser": (pytest.approx(129.6), pytest.approx(170.4))}
 
 
 @pytest.mark.slow

@@ -72,11 +72,27 @@ def test_a_sound_mru_is_proved_and_a_reversed_one_refused_by_either_witness(scen
             assert set(found) <= {standing, Standing.OPEN}, witnesses
 
 
+@pytest.mark.parametrize(("scenario", "begins"), [("b2_calm_300", 24.2), ("b10_real_mru_swell", 21.75)])
+def test_the_proof_comes_within_the_time_in_which_compensation_waits_anyway(scenario, begins):
+    """The times are those of the controller without proofs."""
+    assert Run(scenario).go(begins + 1.0).begins() == pytest.approx(begins, abs=0.5 * TICK)
+
+
 @pytest.mark.parametrize("settings", [REVERSED, REVERSED + NO_DEPTH], ids=["depth", "load cell alone"])
 def test_a_reversed_mru_never_moves_the_load_whatever_an_operator_consents_to(settings):
     run = Run("b2_calm_300", *settings, "winch_controller.entry.accept_unproved=true").go(75.0)
     assert run.begins() is None
     assert "MRU_REVERSED" in run.codes()
+
+
+def test_without_a_witness_compensation_waits_for_an_operators_consent():
+    bare = (*NO_DEPTH, "cable_sim.sensors.load_cell.fitted=false")
+    run = Run("b2_calm_300", *bare).go(40.0)
+    assert run.begins() is None
+    assert "MRU_UNPROVED: alone" in run.codes()
+    run.loop.controller.ask_for_mode("compensating", consent=True)
+    assert run.go(42.0).begins() == pytest.approx(40.0, abs=0.2)
+    assert Run("b2_calm_300", *bare, "winch_controller.entry.accept_unproved=true").go(26.0).begins() is not None
 
 
 def slipped(*settings, faults, seconds=2.5):

@@ -96,6 +96,12 @@ def test_the_waters_speed_has_the_variance_of_the_spectrum(depth):
     assert np.var(found, axis=0) == pytest.approx([by_hand, by_hand], rel=0.03)
 
 
+def test_the_surface_has_the_height_of_the_sea():
+    line = line_in(WaveVessel(replace(SEAS["second order"], ramp=0.0), seed=5, tick_period=TICK).waves())
+    times = np.random.default_rng(1).uniform(0.0, 1e6, 20_000)
+    assert 4.0 * np.std([surface(line, time) for time in times]) == pytest.approx(HEIGHT, rel=0.02)
+
+
 @pytest.mark.parametrize(
     "sea",
     [
@@ -135,6 +141,12 @@ def test_the_components_travel_bit_for_bit():
     assert (received.start, received.ramp) == (waves.start, waves.ramp) == (TICK, 60.0)
     for sent, taken in zip(waves.columns, received.columns, strict=True):
         assert np.array_equal(sent, taken)
+
+
+def test_components_that_are_no_numbers_or_differ_in_length_are_refused_on_receipt():
+    for columns in ({"frequency": [1.0]}, {name: [math.nan] for name in ("frequency", *OTHERS)}):
+        with pytest.raises(ValueError, match="wave components"):
+            plant_messages.waves_of(WaveComponents(**columns))
 
 
 @pytest.mark.slow

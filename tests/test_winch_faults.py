@@ -10,7 +10,7 @@ from cable_sim_node.winch.parameters import WinchParameters
 from heave_bringup.closed_loop import ClosedLoop
 from heave_node.interface.codes import WinchFault
 
-from tests.loops import TICK, Stepped, two_state_parameters
+from tests.loops import TICK, Stepped, quick_parameters, two_state_parameters
 
 SUPERVISED, BEGIN = 1.0, 40.0
 
@@ -72,6 +72,32 @@ def test_a_brake_that_stays_shut_is_named_without_the_drives_supervision_and_one
     assert any(told.name == "DRUM_OR_ENCODER: still" for _, told in run.alarms) is named
     run.go(BEGIN + 9.0)
     assert [told.code == "DRIVE_AT_FAULT" for _, told in run.alarms].count(True) == int(named), "once"
+
+
+def test_a_count_that_freezes_while_the_winch_is_driven_slowly_by_hand_is_named_and_the_winch_stops():
+    """It went on for 75 s and 5.7 m, and the depth sensor was blamed."""
+    run = Stepped(ClosedLoop(quick_parameters({}, 60.0))).go(5.0)
+    run.loop.controller.set_mode("manual")
+    run.loop.winch.encoder.faults.inject("freeze", start=12.0)
+    while run.time < 20.0:
+        if run.loop.controller.mode.value == "manual":
+            run.loop.controller.operate(0.076)
+        run.go(run.time + TICK)
+    codes = [alarm.name for time, alarm in run.alarms if 12.0 < time < 13.5]
+    assert "DRUM_OR_ENCODER: still" in codes
+    assert run.modes[-1] == "stopped"
+
+
+@pytest.mark.parametrize("kind", ["brake_slip", "brake_open"])
+def test_a_brake_that_does_not_hold_is_reported_within_two_seconds_of_the_standstill(kind):
+    run = Run()
+    run.inject(kind, 0.05)
+    run.loop.controller.set_mode("standby")
+    # a fade-out may settle for 30 s
+    run.go(BEGIN + 45.0)
+    at_rest = run.reached("standby")
+    assert run.reached("stopped", at_rest) <= at_rest + 2.0
+    assert "the brake does not" in run.loop.winch.supervised
 
 
 @pytest.mark.long

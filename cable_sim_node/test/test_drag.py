@@ -14,6 +14,11 @@ def drag(chord, flow, feed=0.0):
     return np.array(segment_drag(np.asarray(chord, float), tuple(map(float, flow)), feed, NORMAL, TANGENTIAL, *scratch))
 
 
+def test_drag_across_and_along_follows_the_printed_formulae():
+    # thesis Eq. 2.46, 2.47 by hand: flow 45 degrees to a vertical cable
+    assert drag([0.0, 0.0, 2.0], [0.5, 0.0, 0.5]) == pytest.approx([20.0 * 0.25, 0.0, 3.0 * 0.25])
+
+
 @given(VECTOR, VECTOR)
 def test_drag_is_that_of_the_two_components_in_any_direction(chord, flow):
     assume(np.linalg.norm(chord) > 0.1)

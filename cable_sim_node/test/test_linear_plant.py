@@ -63,6 +63,24 @@ def test_it_agrees_with_a_quadrature_of_the_differential_equation() -> None:
     assert plant.unit_motion()[2][2] == pytest.approx(acceleration, abs=1e-6)
 
 
+@pytest.mark.parametrize("omega", [0.3, 1.0, 2.0])
+def test_its_steady_answer_is_the_transfer_function(omega: float) -> None:
+    plant = make()
+    rest = plant.unit_motion()[0][2]
+    ticks = int(600.0 / TICK)
+    heave = []
+    for k in range(ticks):
+        ends = [tip(math.sin(omega * t), omega * math.cos(omega * t)) for t in (k * TICK, (k + 1) * TICK)]
+        plant.advance(TICK, *ends, 0.0, 0.0, 0.0, 0.0)
+        heave.append(plant.unit_motion()[0][2] - rest)
+    t = TICK * np.arange(1, ticks + 1)
+    late = t > 300.0
+    basis = np.column_stack([np.sin(omega * t[late]), np.cos(omega * t[late])])
+    sine, cosine = np.linalg.lstsq(basis, np.array(heave)[late], rcond=None)[0]
+    expected = 1.0 / (1.0 - A * omega**2 + 1j * B * omega)
+    assert complex(sine, cosine) == pytest.approx(expected, rel=1e-5)
+
+
 def test_payout_lowers_the_unit_by_its_length_and_pays_no_tension() -> None:
     plant = make()
     rest, tension = plant.unit_motion()[0][2], plant.top_tension

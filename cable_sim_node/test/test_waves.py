@@ -80,6 +80,12 @@ def test_components_add(place):
         assert np.array(found) == pytest.approx(first + second, abs=1e-12)
 
 
+def test_crests_travel_with_g_over_omega():
+    """Dispersion in deep water, omega^2 = g k: a crest is g t/omega further after a time t."""
+    line, time = line_in(one_wave(phase=0.0, direction=0.0)), 5.0
+    assert water_at(line, STANDARD_GRAVITY / OMEGA * time, 0.0, 0.0, time)[2][0] == pytest.approx(AMPLITUDE)
+
+
 def test_the_ramp_grows_elevation_and_velocity_and_the_acceleration_is_the_velocitys_derivative():
     line, place, time, h = line_in(one_wave(start=2.0, ramp=10.0)), (5.0, 1.0, -2.0), 6.0, 1e-4
     x = (time - 2.0) / 10.0

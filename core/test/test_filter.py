@@ -1,4 +1,7 @@
-"""What holds of the filter for any input; its twin, by filterpy, is in the controller's tests."""
+"""The filter beside Gaussian conditioning of a whole record at once, and what holds for any input.
+
+It has a second twin, by filterpy, in the controller's tests.
+"""
 
 import math
 from concurrent.futures import ThreadPoolExecutor
@@ -56,6 +59,49 @@ record = st.lists(
     max_size=9,
 )
 """Ticks: command, and readings as measurement, value, and by how many ticks they come late."""
+
+
+def conditioned(model, told):
+    """Return mean and covariance of the last state, all that is `told` being jointly normal.
+
+    The states of all ticks are one normal vector; the readings are taken in by one least-squares solution.
+    """
+    n, count = len(model.B), len(told)
+    mean, joint = np.zeros(n * count), np.zeros((n * count, n * count))
+    joint[:n, :n] = np.eye(n)
+    for k in range(1, count):
+        here, before = slice(n * k, n * k + n), slice(n * k - n, n * k)
+        mean[here] = model.F @ mean[before] + model.B * told[k][0]
+        joint[here, : n * k] = model.F @ joint[before, : n * k]
+        joint[: n * k, here] = joint[here, : n * k].T
+        joint[here, here] = model.F @ joint[before, before] @ model.F.T + model.Q
+    rows, values = [], []
+    for k, (_, delivered) in enumerate(told):
+        for which, value, late in delivered:
+            row, tick = np.zeros(n * count), max(k - late, 0)
+            row[n * tick : n * tick + n] = model.rows[which]
+            rows.append(row)
+            values.append(value)
+    if rows:
+        H = np.array(rows)
+        S = H @ joint @ H.T + 0.04 * np.eye(len(rows))
+        K = np.linalg.solve(S, H @ joint).T
+        mean, joint = mean + K @ (np.array(values) - H @ mean), joint - K @ H @ joint
+    return mean[-n:], joint[-n:, -n:]
+
+
+@settings(max_examples=100, deadline=None)
+@given(told=record, seed=st.integers(0, 2**16))
+def test_the_estimate_is_the_conditional_mean_of_all_that_was_read_however_late_it_came(told, seed):
+    model = model_of(seed)
+    kalman = filter_of(model)
+    for k, (command, delivered) in enumerate(told):
+        rows = sorted(reading(max(k - late, 0), which, value) for which, value, late in delivered)
+        kalman.run([(k, command, len(rows))], rows)
+    mean, covariance = conditioned(model, told)
+    scale = 1.0 + np.max(np.abs(mean))
+    np.testing.assert_allclose(kalman.x, mean, rtol=0.0, atol=1e-9 * scale)
+    np.testing.assert_allclose(kalman.P, covariance, rtol=0.0, atol=1e-9)
 
 
 @settings(max_examples=30, deadline=None)

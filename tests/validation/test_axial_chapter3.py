@@ -87,6 +87,16 @@ SPRING = 2.67e8 * area(0.00635) / NYLON_LENGTH
 RATIOS = np.array([0.3, 0.5, 0.7, 0.85, 0.95, 1.0, 1.05, 1.2, 1.5, 2.0])
 
 
+def test_example_three_has_the_printed_spring_constant():
+    assert pytest.approx(380.0, rel=1e-3) == SPRING
+
+
+def test_example_three_weight_in_water_is_that_of_the_printed_sphere():
+    sphere = 1000.0 * math.pi / 6.0 * 0.2032**3
+    # printed 83.68 N; the sphere's own volume gives 81.0 N (its fittings are not described)
+    assert (12.65 - sphere) * STANDARD_GRAVITY == pytest.approx(83.68, rel=0.04)
+
+
 def test_resonance_in_air_and_water_is_where_spring_and_mass_put_it():
     # the rope's mass counts by a third; printed "measured" 1.1 and 0.72 Hz belong to the experiments' stiffness, not to
     # the printed particulars, which give 0.86 and 0.80 Hz

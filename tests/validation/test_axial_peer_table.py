@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from cable_sim_node.vertical.axial import simulate_axial
 from cable_sim_node.vertical.axial_line import axial_line
-from cable_sim_node.vertical.linear import heave_transfer_function
+from cable_sim_node.vertical.linear import heave_transfer_function, natural_frequencies, resonance_map
 
 from tests.validation.peers.reference_systems import s900
 
@@ -58,6 +58,10 @@ def test_the_exact_linear_bar_agrees_with_moordyn(period):
     assert abs(answer.top_tension[0]) == pytest.approx(swing, rel=2e-4)
 
 
+def test_the_linear_resonance_of_s900_is_at_sixteen_point_nine_seconds():
+    assert 2.0 * math.pi / natural_frequencies(LINE, 900.0, 1)[0] == pytest.approx(16.9, abs=0.05)
+
+
 def test_s900_at_fourteen_seconds_goes_slack_and_snaps_as_moordyn_does():
     # 2.094 +-0.5 % where linear theory says 2.19; tension 42579 to 160571 N +-1 %
     # the place where it goes slack has to be resolved: first order in the segments, 100 of them
@@ -70,3 +74,15 @@ def test_s900_at_fourteen_seconds_goes_slack_and_snaps_as_moordyn_does():
     assert top[1] == pytest.approx(53428.0, rel=5e-3)
     assert tension.max() == pytest.approx(160571.0, rel=0.01)
     assert tension.min() == pytest.approx(42579.0, rel=0.03)
+
+
+def test_the_resonance_map_of_s900_has_its_ridge_along_the_natural_frequencies():
+    lengths, periods = np.linspace(50.0, 900.0, 35), np.linspace(4.0, 20.0, 161)
+    answer = resonance_map(lambda _: LINE, lengths, 2.0 * math.pi / periods, amplitude=0.5)
+    exact = np.array([2.0 * math.pi / natural_frequencies(LINE, float(length), 1)[0] for length in lengths])
+
+    inside = (exact > 4.5) & (exact < 19.5)
+    ridge = periods[np.argmax(answer.unit_heave, axis=1)]
+    assert ridge[inside] == pytest.approx(exact[inside], abs=0.15)
+    # near 320 m a 10 s swell is in resonance
+    assert float(np.interp(10.0, exact, lengths)) == pytest.approx(320.0, abs=5.0)

@@ -18,6 +18,7 @@ from cable_sim_node.line.dynamics import CableDynamics
 from cable_sim_node.parameters import CableParameters, CableSimParameters, SolverParameters, UnitParameters
 from cable_sim_node.vertical.axial_line import axial_line
 from cable_sim_node.vertical.linear import heave_transfer_function
+from heave_node.numerics.constants import STANDARD_GRAVITY
 from heave_node.numerics.kinematics import PointMotion
 
 from tests.validation.peers.driven_run import smooth_rise
@@ -201,6 +202,10 @@ def test_slack_comes_at_high_frequency_far_lower_in_water_and_tension_jumps(answ
         first[name] = omegas[begins]
     # little weight in water, and more mass: (W / (M + Ma)) is 21 times less than gravity, its root 4.6 times
     assert first["water"] < first["air"] / 3.0
+
+
+def test_the_printed_sphere_weighs_little_in_water():
+    assert pytest.approx(3.2, abs=0.05) == (MASS - 1000.0 * VOLUME) * STANDARD_GRAVITY
 
 
 def pendulum_on_a_rope_with_drag(parameters, omega, radius):

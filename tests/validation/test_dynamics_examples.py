@@ -15,7 +15,7 @@ from cable_sim_node.line.dynamics import CableDynamics
 from cable_sim_node.parameters import CableParameters, CableSimParameters, SolverParameters, UnitParameters
 from heave_node.numerics.kinematics import PointMotion
 
-from tests.validation.peers.driven_run import first_harmonic, lower, ramped_sine, smooth_rise, smooth_start
+from tests.validation.peers.driven_run import first_harmonic, lower, ramped_sine, run_driven, smooth_rise, smooth_start
 from tests.validation.peers.moordyn import RK2, run_moordyn
 from tests.validation.peers.reference_systems import s300
 
@@ -31,6 +31,48 @@ def rope(diameter, length, modulus, mass_per_length, mass, time_step):
         unit=UnitParameters(mass=mass, volume=0.0, added_mass=(0.0,) * 3),
         solver=SolverParameters(time_step=time_step),
     )
+
+
+def bar_tension(parameters, omega):
+    """Return the exact top tension amplitude per metre of top heave of an undamped elastic bar with an end mass."""
+    cable, mass = parameters.cable, parameters.unit.mass
+    k = omega * math.sqrt(cable.mass_per_length / cable.axial_stiffness)
+    slope = mass * omega**2 / (cable.axial_stiffness * k)
+    angle = k * parameters.length
+    return (
+        cable.axial_stiffness
+        * k
+        * (math.sin(angle) + slope * math.cos(angle))
+        / (math.cos(angle) - slope * math.sin(angle))
+    )
+
+
+POLYESTER = rope(0.003, 4.573, 3.38e9, 8.067e-3, 4.722, 0.002)
+POLYESTER_8 = rope(0.002, 4.573, 2.445e9, 4.155e-3, 4.722, 0.002)
+NYLON = rope(0.00635, 22.25, 2.67e8, 3.23e-2, 12.65, 0.005)
+
+
+@pytest.mark.parametrize(
+    ("parameters", "amplitude", "omegas"),
+    [(POLYESTER, 0.05, (2.0, 6.0, 10.0)), (POLYESTER_8, 0.1, (2.0, 5.0, 8.0)), (NYLON, 0.0254, (2.0, 4.5, 7.0, 9.0))],
+)
+def test_chapter_3_examples_1_to_3_in_air_are_the_elastic_bars(parameters, amplitude, omegas):
+    """Maximum tension against frequency; undamped, so exact."""
+    for omega in omegas:
+        period = 2.0 * math.pi / omega
+        result = run_driven(
+            parameters,
+            (0.0, 0.0, amplitude),
+            omega,
+            duration=30.0 * period,
+            window=10.0 * period,
+            ramp=20.0 * period,
+            tick=period / 60.0,
+        )
+        exact = amplitude * abs(bar_tension(parameters, omega))
+        weight = 9.80665 * (parameters.unit.mass + parameters.cable.mass_per_length * parameters.length)
+        assert result.tension_amplitude == pytest.approx(exact, rel=0.01)
+        assert result.tension_max == pytest.approx(weight + exact, rel=0.01)
 
 
 def lowering(speed, omega, *, start, stop, parameters, amplitude=(0.0, 0.0, 1.0), tick=0.1):

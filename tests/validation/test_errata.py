@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from cable_sim_node.line.dynamics import CableDynamics
 from cable_sim_node.parameters import CableSimParameters
+from heave_node.numerics.constants import SEAWATER_DENSITY, STANDARD_GRAVITY
 from heave_node.numerics.kinematics import PointMotion
 from heave_statics.problems import submerged_cable
 from heave_statics.system import StaticSection, static_cable
@@ -58,6 +59,12 @@ def test_the_first_terms_of_j_in_12_11_need_one_over_mu():
     assert math.sqrt(np.linalg.eigvalsh(first + second / MU)[-1]) > 2.0 * speeds[-1]
 
 
+def test_the_root_of_12_4_2_has_an_eighth_of_the_square():
+    strain = 0.1
+    assert math.sqrt(1.0 + strain) == pytest.approx(1.0 + strain / 2.0 - strain**2 / 8.0, abs=strain**3 / 16.0)
+    assert abs(math.sqrt(1.0 + strain) - (1.0 + strain / 2.0 - strain**2 / 4.0)) > strain**2 / 10.0
+
+
 def test_pintos_equation_2_is_the_curvature_vector():
     """d2r/dp2 at the lowest point of a stiff catenary is w/H, here 1/a = 1/80 m, not 1."""
     a, half = 80.0, 60.0
@@ -66,3 +73,20 @@ def test_pintos_equation_2_is_the_curvature_vector():
     middle, step = 200, section.length / 400
     second = shape.positions[middle + 1] - 2.0 * shape.positions[middle] + shape.positions[middle - 1]
     assert np.linalg.norm(second) / step**2 == pytest.approx(1.0 / a, rel=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("diameter", "mass", "drag", "weight", "printed_weight", "constant", "printed_constant"),
+    [(0.0332, 2.70, 1.64, 17.78, 17.80, 0.7987, 0.7974), (0.0264, 1.64, 2.12, 10.58, 10.96, 0.6181, 0.6173)],
+    ids=["heavy", "light"],
+)
+def test_pintos_table_1_against_its_own_mass_and_equation_21(
+    diameter, mass, drag, weight, printed_weight, constant, printed_constant
+):
+    """Weight is (m - rho pi d^2/4) g: of the light cable it is printed 3.6 % too high. H = sqrt(2 w/(C_D rho d))."""
+    by_mass = (mass - SEAWATER_DENSITY * 0.25 * math.pi * diameter**2) * STANDARD_GRAVITY
+    assert by_mass == pytest.approx(weight, abs=0.01)
+    assert printed_weight / by_mass - 1.0 == pytest.approx(0.036 if diameter < 0.03 else 0.001, abs=1e-3)
+    by_weight = math.sqrt(2.0 * printed_weight / (drag * SEAWATER_DENSITY * diameter))
+    assert by_weight == pytest.approx(constant, abs=1e-4)
+    assert by_weight - printed_constant == pytest.approx(0.001, abs=4e-4)

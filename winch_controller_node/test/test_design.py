@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from heave_node.numerics.linear_model import linear_model, spectral_abscissa, with_feedback
-from heave_node.parameters import build_parameters
+from heave_node.parameters import ParameterError, build_parameters
 from winch_controller_node.design.design import design_controller
 from winch_controller_node.model.lqr import DesignError, QuadraticCost, check_stabilisable, lqr_gain
 from winch_controller_node.model.regulator import unit_regulator_gain
@@ -77,6 +77,16 @@ def test_what_cannot_be_designed_is_refused_in_words(values, message):
 def test_a_model_that_does_not_fit_the_core_is_refused_in_one_line(values, tick_period, message):
     with pytest.raises(DesignError, match=message):
         design_controller(parameters(**values), tick_period=tick_period)
+
+
+def test_depth_bias_that_no_other_sensor_resolves_is_named():
+    # depth with a free bias sees x + bias; without MRU the mean of x is still tied to the payout, so this is detectable
+    assert design(sensors__use=("depth", "encoder")).model.has_state("depth_bias")
+
+
+def test_an_unknown_sensor_is_refused_by_the_parameter_check():
+    with pytest.raises(ParameterError, match="one of mru"):
+        parameters(sensors__use=("sonar", "encoder"))
 
 
 def test_a_growing_state_out_of_reach_is_named():

@@ -77,6 +77,26 @@ def told(record, code):
     return [time for time, alarm in record.alarms if alarm.name == code]
 
 
+@pytest.mark.parametrize(
+    ("scenario", "mean", "seed"), [("b3_deep_900", 0.12, 2), ("b3_deep_900", 0.3, 1), ("b2_calm_300", 2.65, 1)]
+)
+def test_a_mean_of_the_heave_as_by_trim_is_found_and_the_unit_held_as_without_it(scenario, mean, seed):
+    """It was taken for a long swell: b3 with 0.3 m was 1.7 times worse off, the others were never compensated."""
+    fault = {"kind": ["jump"], "start": [0.0], "duration": [0.0], "magnitude": [mean]}
+    settings = [f"wave_vessel.mru.faults.{name}={value}" for name, value in fault.items()]
+    scenario = load_scenario(scenario, settings=["all.duration=160", f"all.seed={seed}", *settings])
+    run = Run(ClosedLoop(loop_parameters(scenario)))
+    record = run.record
+    # 12 cm for half a minute may as well be a long swell
+    assert run.first("mru") < 100.0
+    assert run.first("depth") == run.first("encoder") == np.inf
+    assert run.assumed[-1]["mru.offset"] == pytest.approx(mean, abs=0.04)
+    time, unit, off = (record.column(name) for name in ("time", "unit", "uncompensated"))
+    late = time > 110.0
+    # benchmarks B2 and B3: 1 cm of 25 to 40
+    assert np.std(unit[late]) < 0.04 * np.std(off[late])
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("scenario", "law", "amplitude", "period"),
@@ -116,6 +136,21 @@ def check_used_again(run, sensor):
     assert run.record.modes[-1] == "compensating"
     assert run.record.unit_sigma(END - 30.0) < 0.05 * run.record.uncompensated_sigma(END - 30.0)
     assert run.seen[-1] == (SensorLevel.OK, "")
+
+
+def test_compensation_goes_on_without_a_depth_sensor_that_lies_and_with_it_once_it_is_right():
+    """Above a unit that is held still it reads noise, and its sign is not seen: fed back, it swings the unit up slowly.
+
+    It is known once that is above three times its noise of 2 cm, long before the unit moves as much as uncompensated.
+    """
+    run = Run(loop_with("depth", -1.0), "depth")
+    time, unit, off = (run.record.column(name) for name in ("time", "unit", "uncompensated"))
+    blind = (time > TURNS) & (time < WELL_AGAIN)
+    assert np.std(unit[blind]) < 0.5 * np.std(off[blind])
+    assert all(run.first(part) == np.inf for part in ("mru", "encoder", "cable"))
+    assert set(run.record.modes[round(TURNS / TICK) :]) == {"compensating"}
+    assert run.record.unit_sigma(TURNS) < 0.25 * run.record.uncompensated_sigma(TURNS)
+    check_used_again(run, "depth")
 
 
 def test_an_mru_that_turns_over_is_named_within_20_seconds_harms_nothing_and_is_used_again_once_it_is_right():

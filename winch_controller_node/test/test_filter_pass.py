@@ -1,5 +1,7 @@
 """A pass over a record against the loop's own filter, and its linearity in the readings."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 from heave_core.filter import no_slack
@@ -121,3 +123,16 @@ def test_a_pass_says_of_each_reading_what_the_filter_of_the_loop_says(design, wi
     np.testing.assert_allclose(result.variances, variances, rtol=1e-9)
     np.testing.assert_allclose(result.state[:, 0], estimator.estimate, atol=1e-9)
     np.testing.assert_allclose(result.covariance, estimator.covariance, atol=1e-9)
+
+
+def test_a_model_of_a_pass_has_the_start_it_was_given(design):
+    """Without a reading the covariance is that of the start, propagated by the model."""
+    model = model_of(design)
+    commands, readings = record_of(design)
+    none = np.zeros(len(design.measurements), dtype=np.bool_)
+    result = run_pass(model, input_of(design, commands, readings), none)
+    P = model.start
+    for _ in range(TICKS):
+        P = model.F @ P @ model.F.T + model.Q
+    np.testing.assert_allclose(result.covariance, P, rtol=1e-9, atol=1e-12)
+    assert dataclasses.is_dataclass(result)

@@ -196,3 +196,14 @@ def test_the_reason_is_told_while_compensation_is_kept_off_and_the_loop_that_is_
     assert guard.demand == pytest.approx(2.0 * demand)
     feed_guard(guard, 0.8, 0.5, 60.0)
     assert guard.reason == guard.alarm.brief != ""
+
+
+def test_a_disagreement_is_told_with_its_culprit_once_that_is_known():
+    """The depth sensor reads the uncompensated heave, the estimate of the unit none of it."""
+    guard = make_guard()
+    for time in DT * np.arange(round(40.0 / DT)):
+        wave = 0.5 * math.cos(0.7 * time)
+        guard.update(seen((0.0, 0.0), (wave, 0.0), (wave, 0.0), 0.0, measured=wave), 1.0)
+    assert guard.alarm.name == "DEPTH_MRU_DISAGREE"
+    guard.allow_correction("mru")
+    assert (guard.alarm.name, guard.alarm.values) == ("DEPTH_MRU_EXPLAINED", {"part": "mru"})

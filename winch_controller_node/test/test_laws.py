@@ -8,6 +8,7 @@ from heave_node.parameters import ParameterError, build_parameters, describe
 from winch_controller_node.core.component import WinchController
 from winch_controller_node.design.design import design_controller
 from winch_controller_node.interface.readings import Measurements
+from winch_controller_node.laws.law import ControlLaw, LawCommand
 from winch_controller_node.laws.parts.loop_state import LoopState, Reference
 from winch_controller_node.laws.registry import LAWS
 from winch_controller_node.model.lqr import DesignError
@@ -53,6 +54,27 @@ def test_a_law_that_does_not_move_the_winch_keeps_the_brake_on():
     controller = WinchController(parameters(law="off"), tick_period=DT)
     outputs = [controller.step(tick, Measurements()) for tick in range(1, 10)]
     assert all(output.order.brake and output.mode == "off" for output in outputs)
+
+
+def test_a_law_of_anybody_joins_by_a_class_and_an_entry(monkeypatch):
+    """A class that says what it is, and its name in the registry: the design makes it, with its own parameters."""
+
+    class Damper(ControlLaw):
+        name, summary, keeps_limits = "damper", "damps the unit", True
+
+        def __init__(self, design, own):
+            super().__init__(design, own)
+            self.gain = np.where([state == "unit_heave_rate" for state in design.model.state_names], 2.0, 0.0)
+
+        def command(self, state):
+            return LawCommand(-float(self.gain @ state.x))
+
+    monkeypatch.setitem(LAWS, "damper", Damper)
+    controller = WinchController(dataclasses.replace(parameters(), law="damper"), tick_period=DT)
+    report = controller.step(1, Measurements()).report
+    assert report.law == "damper"
+    assert report.gain[report.state_names.index("unit_heave_rate")] == 2.0
+    assert controller.mode.value == "standby"
 
 
 def test_the_effort_of_the_unit_regulator_is_that_of_a_simulated_loop():

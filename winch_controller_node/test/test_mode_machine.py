@@ -359,6 +359,11 @@ def test_each_change_of_mode_is_told_once_with_the_mode_before():
     ]
 
 
+def test_a_law_that_does_not_move_the_winch_says_so():
+    assert machine(moves_winch=False).reason == "law off"
+    assert machine().reason == "estimate settled"
+
+
 @pytest.mark.parametrize(("shown", "limit", "begins"), [(0.7, 1.0, 0.7), (0.9, 0.4, 0.4), (0.0, 1.0, 0.0)])
 @pytest.mark.parametrize("is_asked", [False, True], ids=["sensor back", "operator"])
 def test_compensation_comes_back_from_a_fade_out_with_the_authority_that_unit_and_drum_show(

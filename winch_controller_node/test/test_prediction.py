@@ -5,7 +5,6 @@ from functools import lru_cache
 
 import numpy as np
 import pytest
-from heave_bringup.scenarios import load_scenario
 from heave_node.parameters import build_parameters
 from winch_controller_node.design.bounds import actuator_bound, boom_tip_realisation
 from winch_controller_node.design.design import design_controller
@@ -146,6 +145,19 @@ def tip(duration=120.0):
     return boom_tip_realisation(sea, VesselModelParameters(), duration=duration, step=0.2, seed=1)
 
 
+def test_the_clairvoyant_leaves_nothing_without_limits_and_more_with_tighter_ones():
+    bounds = [actuator_bound(CableModel(7.0, 0.05), winch(10.0, a), tip(), 0.2) for a in (20.0, 0.5, 0.1)]
+    assert bounds[0] < 1e-4
+    assert bounds == sorted(bounds)
+
+
+def test_a_winch_that_cannot_move_leaves_the_uncompensated_motion():
+    still = actuator_bound(CableModel(2.0, 1.0), winch(1e-3, 1e-3), tip(), 0.2)
+    free = actuator_bound(CableModel(2.0, 1.0), winch(10.0, 20.0), tip(), 0.2)
+    assert still > 0.3
+    assert free < 1e-3 * still
+
+
 def test_all_of_a_record_counts_in_the_bound_of_the_actuator_its_ends_too():
     quiet, loud = 0.001 * tip(), tip()
     limits = winch(10.0, 0.1)
@@ -168,6 +180,32 @@ def test_sensor_rates_without_a_common_pattern_are_refused():
 
 def test_the_thesis_scenario_through_the_whole_design_gives_the_thesis_numbers():
     # thesis 6.3.6: 0.2551 m off; 2.96e-4 m with all states known at q/r = 554, the limit of sensors without noise
-    loop = design_controller(load_scenario("b1_thesis").parameters["winch_controller"], tick_period=DT)
+    thesis = {
+        "winch.law": "first_order",
+        "winch.position_rate": 1.0,
+        "winch.command_delay": 0.0,
+        "winch.disturbance": 1e-6,
+        "cable_model.inertia": 0.8959,
+        "cable_model.damping": 0.1658,
+        "cable_model.disturbance": 1e-6,
+        "sea.significant_wave_height": 3.048,
+        "sea.peak_period": 2.0 * math.pi / 0.785,
+        "sea.filter_form": "thesis",
+        "vessel.natural_frequency": 0.393,
+        "vessel.damping_ratio": 0.6,
+        "vessel.gain": 0.5,
+        "sensors.mru.noise": 1e-5,
+        "sensors.mru.rate_noise": 1e-5,
+        "sensors.depth.noise": 1e-5,
+        "sensors.depth.rate": 20.0,
+        "sensors.depth.latency": 0.0,
+        "sensors.encoder.noise": 1e-6,
+        "weights.unit_heave": 1.0 / math.sqrt(554.0),
+        "weights.outlet_heave": 0.0,
+        "weights.payout": 0.0,
+        "weights.payout_acceleration": 0.0,
+        "weights.command": 1.0,
+    }
+    loop = design_controller(build_parameters(WinchControllerParameters, thesis, where="test"), tick_period=DT)
     assert loop.sigma["unit_heave"] == pytest.approx(0.2551, abs=5e-5)
     assert predict_loop(loop).sigma["unit_heave"] == pytest.approx(2.96e-4, rel=5e-3)

@@ -50,6 +50,18 @@ def test_a_fault_raises_the_alarm_within_three_samples_and_is_named(fault, reaso
     assert gate.reason == reason
 
 
+@pytest.mark.parametrize("stamp", [0.05, 99.0])
+@pytest.mark.parametrize("value", [math.nan, 7.0])
+@pytest.mark.parametrize("status", ["", "status settling"])
+def test_whatever_a_reading_is_refused_for_has_an_alarm_with_an_action(stamp, value, status):
+    gate = make_gate()
+    feed(gate, [6.0, 7.0, 7.0], start=0)
+    gate.judge(3 * DT, stamp, (value,), status)
+    lost = lost_alarm("mru", gate.reason, age=math.nan, limit=math.nan)
+    assert lost.name == f"SENSOR_LOST, MRU: {gate.reason}"
+    assert lost.row.action
+
+
 @pytest.mark.parametrize("reason", ["status invalid", "status 7"])
 def test_a_sensor_that_reports_a_fault_of_its_own_is_quoted(reason):
     alarm = lost_alarm("mru", reason, age=math.nan, limit=math.nan)
@@ -114,6 +126,11 @@ def test_one_gap_of_a_fast_sensor_does_not_make_it_a_slow_one():
     feed(gate, [0.1 * k for k in range(31, 51)], start=31)
     assert gate.interval == DT
     assert not gate.is_newly_slow()
+
+
+def test_an_encoder_that_stands_still_may_be_right_and_the_drum_is_to_be_looked_at_first():
+    frozen = {name: lost_alarm(name, "frozen", age=0.0, limit=0.0).row for name in ("encoder", "mru", "depth")}
+    assert frozen["mru"].action == frozen["depth"].action != frozen["encoder"].action
 
 
 def test_one_bad_reading_makes_a_sensor_suspect_and_good_ones_make_it_well_again():

@@ -112,6 +112,19 @@ def test_sensors_as_believed_are_not_told_also_in_a_sea_far_lower_than_believed(
     assert not told_quiet(run_b3(125.0, "wave_vessel.significant_wave_height=0.1"))
 
 
+def test_noise_of_the_depth_that_has_become_known_is_not_told_as_jumps():
+    """Ten times the assumed noise: before it is known, within 3 s, a reading or two look like jumps."""
+    record = run_b3(60.0, "all.seed=104", "cable_sim.sensors.depth.noise=0.2")
+    jumps = [
+        time
+        for time, alarm in record.alarms
+        if alarm.name in ("SENSOR_DOUBTFUL, DEPTH: jump", "SENSOR_LOST, DEPTH: scale jump")
+    ]
+    assert len(jumps) <= 2
+    assert all(time < 5.0 for time in jumps)
+    assert [alarm.name for _, alarm in record.alarms].count("SENSOR_DOUBTFUL, DEPTH: noise") == 1
+
+
 def test_a_reading_that_comes_back_into_its_band_within_the_minute_is_not_told():
     consistency = Consistency(DT)
     quiet, usual = ({"mru_heave": Innovation(0.0, 1.0, nis, accepted=True)} for nis in (0.0, 1.0))

@@ -1,5 +1,7 @@
 """A unit that moves far, against quadratures of a x'' + max(b, drag |x'|) x' = max(x0 - x, -weight) by scipy."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from heave_bringup.closed_loop import ClosedLoop, loop_parameters
@@ -11,6 +13,8 @@ from scipy.integrate import solve_ivp
 from winch_controller_node.model.blocks import CableModel, cable_block
 from winch_controller_node.model.estimator import KalmanEstimator
 from winch_controller_node.model.simulated_unit import cable_slack, unit_drag
+
+from tests.core_parts import SimulatedUnit
 
 CABLE = CableModel(a=1.12, b=0.06, drag=0.2)
 """A unit of 12 t on 1,500 m of wire."""
@@ -41,6 +45,31 @@ def hanging_unit(*, is_followed: bool = True) -> KalmanEstimator:
     """Return an estimator of a unit without sensors, below a boom tip at rest; its drag `is_followed`."""
     model = discretise(cable_block(CABLE), DT).select_states(("unit_heave", "unit_heave_rate"))
     return KalmanEstimator(model, [], np.eye(2), drag=unit_drag(model, CABLE) if is_followed else None)
+
+
+def test_the_locked_unit_in_resonance_swings_as_far_as_quadratic_drag_lets_it():
+    times = DT * np.arange(2400)
+    shadow, heave = SimulatedUnit(CABLE, DT), []
+    for time in times:
+        heave.append(shadow.state[0])
+        tip = np.array([np.sin(RESONANCE * time), RESONANCE * np.cos(RESONANCE * time)])
+        shadow.step(tip)
+    exact = quadrature(np.zeros(2), times, amplitude=1.0)
+    assert np.ptp(exact[-200:]) < 6.0  # with the damping of small motion it would be 35 m
+    # drag is that at the start of a tick, half a tick late
+    assert np.array(heave) == pytest.approx(exact, abs=0.5 * DT * RESONANCE * np.max(exact))
+
+
+def test_the_locked_unit_is_not_pushed_by_a_slack_cable():
+    """In resonance it then swings otherwise: by the weight alone it sinks more slowly than the boom tip."""
+    cable = replace(CABLE, stiffness=50e3, unit_weight=60e3)
+    times, shadow, heave = DT * np.arange(1200), SimulatedUnit(cable, DT), []
+    for time in times:
+        heave.append(shadow.state[0])
+        shadow.step(np.array([np.sin(RESONANCE * time), RESONANCE * np.cos(RESONANCE * time)]))
+    exact, taut = (quadrature(np.zeros(2), times, amplitude=1.0, largest_push=push) for push in (1.2, np.inf))
+    assert np.max(np.abs(exact - taut)) > 0.5
+    assert np.array(heave) == pytest.approx(exact, abs=DT * RESONANCE * np.max(np.abs(exact)))
 
 
 def test_an_estimator_foresees_a_large_free_swing():

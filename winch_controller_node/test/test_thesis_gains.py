@@ -45,6 +45,10 @@ def test_uncontrolled_standard_deviation_is_the_thesis_0_255_m():
     assert output_sigma(thesis_loop())["unit_heave"] == pytest.approx(0.2551, abs=5e-5)
 
 
+def test_the_literal_equation_6_31_without_pi_gives_0_1439_m():
+    assert output_sigma(thesis_loop())["unit_heave"] / math.sqrt(math.pi) == pytest.approx(0.1439, abs=5e-5)
+
+
 def test_controlled_standard_deviation_at_q_over_r_554_is_2_96e_4_m():
     assert output_sigma(controlled())["unit_heave"] == pytest.approx(2.96e-4, rel=5e-3)
 
@@ -70,6 +74,29 @@ def test_the_gain_is_that_of_python_control(model):
     np.testing.assert_allclose(ours, gain, rtol=1e-9, atol=1e-12)
     found = np.linalg.eigvals(model.A - model.B @ ours)
     np.testing.assert_allclose(np.sort_complex(found), np.sort_complex(poles), rtol=1e-6)
+
+
+def simulated_sigmas(model, runs, duration, dt):
+    """Standard deviation of unit heave in each of independent stationary runs of the sampled model."""
+    sampled = discretise(model, dt)
+    rng = np.random.default_rng(1)
+    x = np.zeros((model.order, runs))
+    row = sampled.row("unit_heave")
+    values = []
+    for k in range(round((duration + 100.0) / dt)):
+        x = sampled.A @ x + sampled.G @ rng.standard_normal((sampled.G.shape[1], runs))
+        if k * dt > 100.0:
+            values.append(row @ x)
+    return np.sqrt(np.mean(np.square(values), axis=0))
+
+
+@pytest.mark.parametrize("model", [thesis_loop(), controlled()], ids=["uncontrolled", "controlled"])
+def test_a_monte_carlo_of_the_same_system_agrees_within_its_confidence_interval(model):
+    variances = simulated_sigmas(model, runs=64, duration=1000.0, dt=0.1) ** 2
+    margin = 3.0 * np.std(variances, ddof=1) / math.sqrt(len(variances))
+    exact = output_sigma(model)["unit_heave"] ** 2
+    assert margin < 0.15 * exact  # the interval is narrow enough to mean something
+    assert np.mean(variances) == pytest.approx(exact, abs=margin)
 
 
 def taylor_delay_block(delay, input_name, output_name):
