@@ -35,7 +35,7 @@ values as assumed or with one that differs. Generated from `docs/fault_matrix.js
 | envelope | drum speed up to 1.5 times the boom tip's in a minute + 0.25 m/s, travel 1.5 times its heave + 0.3 m |
 | travel | drum travel from fault to rest, beyond the requested move: at most the heave of the last minute + 0.3 m |
 | unit | load motion from 10 s after the fault on: at most 1.3 times that with the winch locked |
-| unit, otherwise | at most 1.3 times the same run without the fault, stopped at once if the drum braked beyond 0.5 m/s^2 |
+| unit, otherwise | at most 1.3 times the same run without the fault, stopped at once where the drum was |
 | named | an alarm names the faulty part (of faults that have an effect) |
 | not blamed | no alarm names a healthy part |
 | alarm, rest | time from the fault: median, largest |
