@@ -9,7 +9,6 @@ away from them again.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import ClassVar
 
 from heave_core.law import put
@@ -20,28 +19,23 @@ from winch_controller_node.laws.law import LawDesign
 from winch_controller_node.laws.mpc import ConstrainedLaw, MpcParameters, Planner, own_gains
 from winch_controller_node.laws.parts.near_limits import near_limits
 
-
-@dataclass(frozen=True)
-class LqgParameters:
-    """Feedback of all states."""
-
-    # fraction of the winch's speed limit that is available to the feedback of the unit's own error [-]
-    unit_share: float = 0.2
+UNIT_SHARE = 0.2
+"""Fraction of the winch's speed limit that is available to the feedback of the unit's own error [-]."""
 
 
 class FullStateFeedback(StateFeedback):
-    """Feedback of all states with the gain of the `design`; `parameters` bound what the unit's error may ask for.
+    """Feedback of all states with the gain of the `design`; UNIT_SHARE bounds what the unit's error may ask for.
 
     Near the limits of the winch the commands are those of law mpc, with its default parameters.
     """
 
     name: ClassVar[str] = "lqg"
     summary: ClassVar[str] = "feedback of all states; near the limits as mpc"
-    parameters_type: ClassVar[type | None] = LqgParameters
     gain_names: ClassVar[tuple[str, ...]] = ConstrainedLaw.gain_names
 
-    def __init__(self, design: LawDesign, parameters: LqgParameters) -> None:
-        super().__init__(design, design.gain, parameters.unit_share)
+    def __init__(self, design: LawDesign, parameters: None) -> None:
+        del parameters
+        super().__init__(design, design.gain, UNIT_SHARE)
         self.keeps_limits = design.winch.law == "speed_servo"  # a first-order winch has no acceleration to be limited
         if not self.keeps_limits:
             return
@@ -49,7 +43,7 @@ class FullStateFeedback(StateFeedback):
         put(self.core.law, {"plans": 1, **near_limits(design.model)})
 
     @classmethod
-    def own_gains(cls, design: LawDesign, parameters: LqgParameters) -> dict[str, Array]:
+    def own_gains(cls, design: LawDesign, parameters: None) -> dict[str, Array]:
         """Return those of the law near the limits of the winch of a `design`, whatever the `parameters`."""
         del parameters
         return own_gains(design.model, _near_limits(design)) if design.winch.law == "speed_servo" else {}
