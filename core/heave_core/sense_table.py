@@ -207,7 +207,6 @@ SENSE_DESIGN = structure(
     Row("depth", "", "index of the depth sensor", COUNTER),
     Row("encoder", "", "index of the encoder of the drum", COUNTER),
     Row("load_cell", "", "index of the load cell", COUNTER),
-    Row("follows_sea", "", "1: the noise of the sea is followed: `estimator.sea_adaptation`", COUNTER),
     Row("excludes_jumped", "", "1: a sensor that may have another scale since a jump is a cross-check only", COUNTER),
     Row("is_first_order", "", "1: u' = K (u_0 - u) by the payout set-point; 0: speed servo", COUNTER),
     Row("levers", "", "indices of the lever arm's states, x and y; -1: not estimated", COUNTER, (2,)),

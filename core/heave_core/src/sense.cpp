@@ -240,7 +240,7 @@ bool move_units(const Core &core, const LookAt &given, const Room &room, Tick &t
     watch_tip(design.watches, design.tick_period, state, state.gates[design.mru].level == SENSOR_LOST, is_excluded);
     const LookInputs inputs{given.compensating, given.mean, state.knows_tip, double(state.knows_tip != 0.0 && !knew_tip)};
     look(core.look, core.look_state, inputs, {core.filter_state.x, core.motion.state, core.filter_state.P}, tick.motions);
-    if (!design.follows_sea || !knew_tip || is_excluded) return false;
+    if (!knew_tip || is_excluded) return false;
     const int which = design.measured[design.sensors[design.mru].measured + 1].which;
     if (which >= 0 && std::isfinite(room.by_measurement[which].nis))
         note_innovation(design.sea, design.tick_period, state.sea, room.by_measurement[which].nis, room.by_measurement[which].sigma);
@@ -265,7 +265,7 @@ void report(const Core &core, const Room &room, Tick &tick) {
     tick.has_depth = depth >= 0 && state.gates[design.depth].level != SENSOR_LOST;
     tick.sees_landing = tick.has_depth != 0.0 && state.excluded != design.depth;
     tick.has_encoder = state.gates[design.encoder].accepted > 0.0;
-    tick.knows_sea = !design.follows_sea || waves_of(design.sea, state.sea) >= design.first_waves;
+    tick.knows_sea = waves_of(design.sea, state.sea) >= design.first_waves;
     tick.is_sea_refuted = state.sea.mean_nis > design.refuted;
     tick.disagree_time = state.disagree_time;
     tick.knows_tip = state.knows_tip;

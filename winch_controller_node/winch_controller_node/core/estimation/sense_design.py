@@ -189,7 +189,6 @@ def sense_design(
         )
     return {
         **{name: SENSOR[name] for name in ("mru", "depth", "encoder", "load_cell")},
-        "follows_sea": True,
         "excludes_jumped": EXCLUDES_JUMPED,
         "is_first_order": winch.law == "first_order",
         "levers": _levers(estimator),
