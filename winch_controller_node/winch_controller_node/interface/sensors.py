@@ -30,7 +30,7 @@ awake."""
 
 LARGEST_NOISE = 10.0
 """Largest standard deviation of the noise of a motion, in SI units: as a parameter, and as a sensor may state it."""
-LEAST_NOISE = 1e-5
+LEAST_NOISE = 1e-6
 """Standard deviation that is assumed of a sensor that is stated to have less, in its own unit: a filter needs some."""
 
 MEASURED_WORDS = {
@@ -97,9 +97,13 @@ class SensorModelParameters(abc.ABC):
         """Return the usual age of a reading when it arrives [s]."""
         return 0.0
 
-    @abc.abstractmethod
     def rows(self) -> tuple[MeasurementRow, ...]:
-        """Return the measurements that the estimator takes."""
+        """Return the measurements that the estimator takes, each with some noise."""
+        return tuple(row._replace(sigma=max(row.sigma, LEAST_NOISE)) for row in self.stated_rows())
+
+    @abc.abstractmethod
+    def stated_rows(self) -> tuple[MeasurementRow, ...]:
+        """Return these measurements with the noise that is stated."""
 
     def slow_states(self) -> tuple[SlowState, ...]:
         """Return the sensor's errors that the estimator follows."""
@@ -146,15 +150,11 @@ class MruModelParameters(SampledSensorParameters):
     lever_arm_sigma: float = parameter(0.0, "m", 0.0, 10.0,
         "Possible lever-arm error, 1 sigma along x and y; 0: not estimated.")  # fmt: skip
 
-    def rows(self) -> tuple[MeasurementRow, ...]:
+    def stated_rows(self) -> tuple[MeasurementRow, ...]:
         """Tell heave and heave rate; the high-pass is in the model."""
         return (
-            MeasurementRow(
-                "mru_heave", "mru_heave", max(self.noise, LEAST_NOISE), "m", state=MRU_BIAS, scale_state=MRU_SCALE
-            ),
-            MeasurementRow(
-                "mru_heave_rate", "mru_heave_rate", max(self.rate_noise, LEAST_NOISE), "m/s", scale_state=MRU_SCALE
-            ),
+            MeasurementRow("mru_heave", "mru_heave", self.noise, "m", state=MRU_BIAS, scale_state=MRU_SCALE),
+            MeasurementRow("mru_heave_rate", "mru_heave_rate", self.rate_noise, "m/s", scale_state=MRU_SCALE),
         )
 
     def slow_states(self) -> tuple[SlowState, ...]:
@@ -183,9 +183,9 @@ class DepthModelParameters(SampledSensorParameters):
     bias_sigma: float = parameter(1.0, "m", 0.0, 100.0, "Uncertainty of the mean depth at the start, 1 sigma.")
     bias_drift: float = 2e-4  # random walk of the mean depth: tide, sensor drift, stretch [m/sqrt(s)]
 
-    def rows(self) -> tuple[MeasurementRow, ...]:
+    def stated_rows(self) -> tuple[MeasurementRow, ...]:
         """Tell the heave of the unit, with an unknown mean."""
-        return (MeasurementRow("unit_heave", "unit_heave", max(self.noise, LEAST_NOISE), "m", state=DEPTH_BIAS),)
+        return (MeasurementRow("unit_heave", "unit_heave", self.noise, "m", state=DEPTH_BIAS),)
 
     def slow_states(self) -> tuple[SlowState, ...]:
         """Follow the mean."""
@@ -200,13 +200,13 @@ class EncoderModelParameters(SensorModelParameters):
 
     noise: float = parameter(3e-4, "m", 0.0, 1.0, "Noise of the encoder, 1 sigma; steps of 1 mm give 0.29 mm.")
 
-    def rows(self) -> tuple[MeasurementRow, ...]:
+    def stated_rows(self) -> tuple[MeasurementRow, ...]:
         """Tell the payout.
 
         A servo other than assumed moves the drum otherwise, at the winch's limits by centimetres in a second: refusing
         the encoder would leave the loop blind when it is needed most; jumps are found by a gate of its own.
         """
-        return (MeasurementRow("payout", "payout", max(self.noise, LEAST_NOISE), "m", is_gated=False),)
+        return (MeasurementRow("payout", "payout", self.noise, "m", is_gated=False),)
 
 
 @dataclass(frozen=True)
@@ -220,9 +220,9 @@ class VelocityModelParameters(SampledSensorParameters):
     noise: float = parameter(0.01, "m/s", 0.0, 100.0, "White noise, 1 sigma.")
     rate: float = parameter(5.0, unit="Hz", minimum=0.01, maximum=1000.0, description="Readings per second.")
 
-    def rows(self) -> tuple[MeasurementRow, ...]:
+    def stated_rows(self) -> tuple[MeasurementRow, ...]:
         """Tell the unit's heave rate."""
-        return (MeasurementRow("unit_velocity", "unit_heave_rate", max(self.noise, LEAST_NOISE), "m/s"),)
+        return (MeasurementRow("unit_velocity", "unit_heave_rate", self.noise, "m/s"),)
 
 
 @dataclass(frozen=True)
@@ -235,9 +235,9 @@ class ImuModelParameters(SampledSensorParameters):
 
     noise: float = parameter(0.02, "m/s^2", 0.0, 100.0, "White noise, 1 sigma.")
 
-    def rows(self) -> tuple[MeasurementRow, ...]:
+    def stated_rows(self) -> tuple[MeasurementRow, ...]:
         """Tell the unit's acceleration."""
-        return (MeasurementRow("unit_acceleration", "unit_heave_acceleration", max(self.noise, LEAST_NOISE), "m/s^2"),)
+        return (MeasurementRow("unit_acceleration", "unit_heave_acceleration", self.noise, "m/s^2"),)
 
 
 @dataclass(frozen=True)
@@ -254,9 +254,9 @@ class LoadCellModelParameters(SampledSensorParameters):
     bias_sigma: float = parameter(0.05, "", 0.0, 1.0, "Uncertainty of the static tension at the start, 1 sigma.")
     bias_drift: float = 2e-4  # random walk of the static tension: cable paid out, drift of the load cell [1/sqrt(s)]
 
-    def rows(self) -> tuple[MeasurementRow, ...]:
+    def stated_rows(self) -> tuple[MeasurementRow, ...]:
         """Tell the tension less the static one."""
-        sigma = max(math.hypot(self.noise, self.model_error), LEAST_NOISE)
+        sigma = math.hypot(self.noise, self.model_error)
         return (MeasurementRow("tension", "tension", sigma, "", state=LOAD_CELL_BIAS),)
 
     def slow_states(self) -> tuple[SlowState, ...]:
