@@ -1,8 +1,8 @@
 /* Do the cycles of a recorded run, and write their orders: `replay RUN ORDERS`, on a machine, or in an emulator of another.
 
    A cycle of RUN is the number of its readings, these, and what the drive has reported; all numbers are doubles, in the
-   order of controller.h. A cycle of ORDERS is payout, rate, brake, mode, authority and
-   what has begun with the load. */
+   order of controller.h. A cycle of ORDERS is payout, rate, brake, mode, authority and what
+   has begun with the load. */
 #include "controller.h"
 
 #include <stdio.h>

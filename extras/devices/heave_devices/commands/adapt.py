@@ -17,7 +17,6 @@ if TYPE_CHECKING:
     from heave_devices.bench.wiggle import Verdict
     from heave_devices.maps.device_map import DeviceMap
 
-
 SUMMARY = "Connect a third-party sensor or winch using a mapping file: serial, UDP, TCP, Modbus/TCP, OPC UA, ROS."
 EXAMPLES = (
     "heave adapt --list",

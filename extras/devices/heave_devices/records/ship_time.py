@@ -24,7 +24,8 @@ _EPOCHS = (
     (1.2e17, 1.4e17, 1e-7, 11644473600.0, "a FILETIME, 100 ns from 1601"),
     *((1e17, math.inf, 1e-9, 0.0, "nanoseconds of Unix time"), (1e14, 1e17, 1e-6, 0.0, "microseconds of Unix time")),
     (1e11, 1e14, 1e-3, 0.0, "milliseconds of Unix time"),
-    *((6.2e10, 6.6e10, 1.0, 62135596800.0, "seconds from the year 1"), (2.7e9, 4.3e9, 1.0, 2082844800.0, "from 1904")),
+    (6.2e10, 6.6e10, 1.0, 62135596800.0, "seconds from the year 1"),
+    (2.7e9, 4.3e9, 1.0, 2082844800.0, "seconds from 1904"),
 )
 """Times of a date: between which numbers, seconds per unit, 1970 in them [s], and name. 1904 is LabVIEW's."""
 _HEADING_UNITS = {
