@@ -51,7 +51,7 @@ BUDGETS = {
     "wave_vessel_node": (5_081, 4_400),
     "cable_sim_node": (8_994, 8_500),
     "winch_controller_node": (18_764, 14_000),
-    "bags": (10_669, 7_700),
+    "bags": (10_667, 7_700),
     "bringup": (7_714, 6_100),
     "extras/devices": (7_530, 4_900),
     "extras/studies": (12_349, 6_000),

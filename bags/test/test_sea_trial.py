@@ -5,8 +5,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from heave_bags.analyse import analysis
-from heave_bags.analyse.kpi_set import source_of
+from heave_bags.analyse import analysis, kpi_set
+from heave_bags.analyse.kpi_set import MOTIONS_OF, source_of
 from heave_bags.analyse.read_run import read_run
 from heave_bags.analyse.reading.unit_height import measured_height
 from heave_bags.mcap.bag_writer import BagWriter
@@ -87,7 +87,9 @@ def test_each_figure_says_what_it_is_made_from(sea_trial):
         "efficiency of the rope at the boom tip" in name and line.endswith("%  measured") for name, line in rows.items()
     )
     assert "the true values were not recorded" in analysis.table([record])
-    assert "<small>estimated by the controller&#39;s own sensors</small>" in render([record])
+    assert "<small>estimated</small>" in render([record])
+    assert "estimated by the controller&#39;s own sensors</span>" in render([record])  # beside the largest figures
+    assert 'title="estimated by the controller&#39;s own sensors"' in render([record])
     assert analysis.to_json(record)["sources"] == record.sources
 
 
@@ -96,6 +98,11 @@ def test_a_figure_is_as_certain_as_the_least_certain_of_its_motions():
     assert source_of("unit_efficiency", sources) == "estimated"
     assert source_of("unit_sigma_m", sources) == "true"
     assert source_of("missed_deadlines", sources) == ""
+
+
+def test_every_name_of_a_figure_with_a_source_is_one():
+    assert set(MOTIONS_OF) <= set(kpi_set.DEFINITION_OF)
+    assert all(MOTIONS_OF.values())
 
 
 def test_a_depth_sensor_in_air_leaves_the_height_to_the_drum():

@@ -144,6 +144,7 @@ def page_content(
         "first_places": first,
         "differences": [] if is_only else differences.differences(records),
         "groups": _groups(values, [record.sources for record in records]),
+        "beside": BESIDE,
     }
 
 
@@ -203,10 +204,7 @@ def _groups(columns: Sequence[Mapping[str, float]], sources: Sequence[Mapping[st
                 "symbols": definition.symbols,
                 "unit": definition.unit,
                 "cells": [
-                    {
-                        "text": definition.text(column[definition.key]),
-                        "source": BESIDE.get(source_of(definition.key, of), ""),
-                    }
+                    {"text": definition.text(column[definition.key]), "source": source_of(definition.key, of)}
                     for column, of in zip(columns, sources, strict=True)
                 ],
             }
