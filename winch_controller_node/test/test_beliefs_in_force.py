@@ -215,7 +215,7 @@ def test_an_encoder_that_a_reflex_sets_aside_is_no_concern_of_an_echo(aside):
     controller = made()
     stepped(controller, 1, 10)
     controller.observer.exclude("encoder" if aside else "")
-    controller._encoder.is_unresolved = aside
+    controller._encoder.state["is_unresolved"] = aside
     for asked, excluded in ((10, "encoder"), (10 + AFTER, "")):
         assert controller.take(answer(asked, excluded=excluded, number=asked))
         stepped(controller, asked + 1, asked + AFTER)
