@@ -21,7 +21,7 @@ from heave_core.law_table import Stage, Stop
 from heave_core.library import dtype_of, fill, library, new
 from heave_core.look_table import HANGING_CABLE, HANGING_UNIT, SIGMA
 from heave_core.sense_table import DELIVERED
-from heave_core.watch_table import LANDING_STATE, ReflexNews
+from heave_core.watch_table import LANDING_STATE
 from heave_node.interface.codes import WinchLimit
 from winch_controller_node.core.estimation.core_tick import put_readings
 from winch_controller_node.core.estimation.loop_estimation import LoopEstimation
@@ -393,7 +393,7 @@ def reads(reflex, ordered, what, *was):
 def look_at_encoder(reflex, tick, ordered, *, is_aside):
     """Return what an EncoderReflex finds in a tick, by what was Ordered; None: unknown."""
     shown = np.array((math.nan, 0.0, 0.0, 0.0) if ordered is None else ordered, float)
-    return ReflexNews(part("look_at_encoder", result=COUNT)(reflex.design, reflex.state, tick, shown, is_aside))
+    return part("look_at_encoder", result=COUNT)(reflex.design, reflex.state, tick, shown, is_aside)
 
 
 def watch_winch(record, *seen):

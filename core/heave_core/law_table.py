@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from enum import IntEnum, IntFlag
+from enum import IntEnum
 
 from heave_core.envelope_table import MOVE
 from heave_core.filter_table import STATES
@@ -61,7 +61,7 @@ class Way(IntEnum):
     BY_SLOWING = 7
 
 
-class Asks(IntFlag):
+class Asks(IntEnum):
     """What Python is asked for before the command can be made."""
 
     NEEDS_PLAN = 1
@@ -69,7 +69,7 @@ class Asks(IntFlag):
     NEEDS_TENSION = 4
 
 
-class Shaped(IntFlag):
+class Shaped(IntEnum):
     """What has shaped a command."""
 
     BY_SPEED = 1
@@ -82,7 +82,7 @@ class Shaped(IntFlag):
     BY_BOUNDS = 128
 
 
-class Moved(IntFlag):
+class Moved(IntEnum):
     """Which payout has moved in a tick."""
 
     MEAN_MOVED = 1
@@ -420,7 +420,7 @@ class Stage(IntEnum):
     BEGIN = 7
 
 
-class Stop(IntFlag):
+class Stop(IntEnum):
     """Where a tick is to wait in any case."""
 
     AFTER_SENSE = 1

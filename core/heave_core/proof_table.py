@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from enum import IntEnum, IntFlag
+from enum import IntEnum
 
 from heave_core.rows import COUNTER, Row, Size, structure
 from heave_core.watch_table import NOMINAL_LOAD_DESIGN, NOMINAL_LOAD_STATE
@@ -31,7 +31,7 @@ class Standing(IntEnum):
     MRU_ALONE = 5
 
 
-class ProofNews(IntFlag):
+class ProofNews(IntEnum):
     """What is new in a tick."""
 
     COUNT_CONTRADICTS = 1

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from enum import IntEnum, IntFlag
+from enum import IntEnum
 
 from heave_core.filter_table import MEASUREMENTS, STATES
 from heave_core.look_table import MOTIONS
@@ -59,7 +59,7 @@ class ZeroKind(IntEnum):
     STATIC_TENSION = 2
 
 
-class News(IntFlag):
+class News(IntEnum):
     """What a tick has that Python is to say in words."""
 
     SENSOR_WORSE = 1

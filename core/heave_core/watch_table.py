@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from enum import IntEnum, IntFlag
+from enum import IntEnum
 
 from heave_core.look_table import HANGING_CABLE, HANGING_UNIT
 from heave_core.rows import COUNTER, Row, Size, structure
@@ -22,7 +22,7 @@ class Landed(IntEnum):
     LIFTED_OFF = 2
 
 
-class LoadNews(IntFlag):
+class LoadNews(IntEnum):
     """What has just begun with load, rope and winch."""
 
     SLACK = 1
@@ -38,7 +38,7 @@ CAUSES = Size("CAUSES", len(LoadNews))
 """Causes that are watched."""
 
 
-class LinkNews(IntFlag):
+class LinkNews(IntEnum):
     """What has just become wrong with the commands."""
 
     COMMANDS_SLOW = 1
@@ -223,7 +223,7 @@ DRUM_ROW = structure(
 )
 
 
-class ReflexNews(IntFlag):
+class ReflexNews(IntEnum):
     """What the reflex about the encoder has found before a tick."""
 
     ENCODER_FOUND = 1

@@ -380,7 +380,7 @@ def test_what_was_said_of_an_encoder_ends_later_whatever_is_left(share, left, is
 # the reflex
 
 BEGINNING, LONGEST_ASIDE, LOOKS = (CONSTANTS[name] for name in ("beginning", "longest_aside", "looks"))
-NOTHING, SET_ASIDE, USE_AGAIN = ReflexNews(0), ReflexNews.ENCODER_REFUTED, ReflexNews.ENCODER_TRUSTED
+NOTHING, SET_ASIDE, USE_AGAIN = 0, ReflexNews.ENCODER_REFUTED, ReflexNews.ENCODER_TRUSTED
 TRUE, HALF, BACK = Ordered(1.0, 0.02, 3.0), Ordered(0.5, 0.02, 3.0), Ordered(-1.0, 0.02, 3.0)
 LOOK = 2
 """Ticks from one look to the next: ten looks a second."""

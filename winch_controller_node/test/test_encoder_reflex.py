@@ -16,7 +16,7 @@ from winch_controller_node.node_parameters import WinchControllerParameters
 from tests.core_parts import COUNT, part
 
 DT = 0.05
-NOTHING = ReflexNews(0)
+NOTHING = 0
 SEPARATED = CONSTANTS["separated"]
 
 
@@ -48,7 +48,7 @@ class Watched:
         for _ in range(count):
             self.number += 1
             self.controller._control.given[0] = self.number
-            found.append(ReflexNews(part("watch_encoder", result=COUNT)(self.controller._control._at)))
+            found.append(part("watch_encoder", result=COUNT)(self.controller._control._at))
         return found[0] if count == 1 else found
 
     def turn(self, seconds, factor):

@@ -64,9 +64,9 @@ class WinchController(ControllerEvents):
         """Do tick k: take the `measurements` of t_k, return the order for [t_k, t_{k+1}] and what is known."""
         if kept := self._winch.take_kept():
             self._alarms.append(ALARMS.alarm("TICKS_LEFT_OUT", count=kept, time=kept * self._dt))
-        self._next_tick = tick + 1
         self._run_programme(tick * self._dt)
         self._follow_operator()
+        self._next_tick = tick + 1
         self._follow_beliefs(tick)
         self.envelope.see(measurements, self.mean.request)
         stage, goes_on = self._begin(tick, measurements), self._goes_on

@@ -123,8 +123,10 @@ class ControllerEvents(OperatorRequests):
         return self._beliefs.offer(beliefs, self._next_tick)
 
     def settle(self) -> None:
-        """Activate what is due before the next tick, beside the ticks: none of them waits for it then."""
+        """Do what is due before the next tick, beside the ticks: none of them waits for it then."""
+        self._run_programme(self._next_tick * self._dt)
         self._follow_beliefs(self._next_tick)
+        self._in_force.law.prepare()
 
     def _follow_beliefs(self, tick: int) -> None:
         """Activate what is due before a `tick`, and give it to law, guard and gates."""

@@ -171,14 +171,23 @@ class PlanSolver:
         self._hessian = np.ascontiguousarray(hessian * self._scale[:, None] * self._scale[None, :])
         self._forced = np.ascontiguousarray(forced * self._scale[None, :])
         self._settings = {"iter_limit": iteration_limit, "rho_soft": softness}
+        self._fresh: daqp.Model | None = None
         self.restart()
 
     def restart(self) -> None:
-        """Discard the warm start."""
+        """Discard the warm start: another solver takes the place, which was prepared beside the ticks."""
+        self._solver, self._fresh = self._fresh or self._made(), None
+
+    def prepare(self) -> None:
+        """Have such a solver: to set one up takes longer than a tick may."""
+        self._fresh = self._fresh or self._made()
+
+    def _made(self) -> daqp.Model:
+        """Return a solver without a warm start."""
         rows, columns = self._forced.shape
-        self._solver = daqp.Model()
-        self._solver.settings = self._settings
-        self._solver.setup(
+        solver = daqp.Model()
+        solver.settings = self._settings
+        solver.setup(
             self._hessian,
             np.zeros(columns),
             self._forced,
@@ -186,6 +195,7 @@ class PlanSolver:
             np.full(rows, -UNBOUNDED),
             np.full(rows, SOFT, dtype=np.int32),
         )
+        return solver
 
     def solve(self, lower: Array, upper: Array) -> tuple[Array | None, int]:
         """Return the correction, shape (m,), for bounds `lower` and `upper`, shape (r,), and its iterations."""
