@@ -27,7 +27,10 @@ PACK, PACK_SCALAR = Struct(f"{len(DELIVERED.rows)}d").pack_into, Struct("3d").pa
 ROOM = 16
 """Readings of a tick for which there is room at first."""
 
-BESIDE = ("found", "observed", "taken", "said", "by_measurement", "depths", "tick")
+BESIDE = (
+    *("sense", "look", "sense_state", "look_state"),
+    *("found", "observed", "taken", "said", "by_measurement", "depths", "tick"),
+)
 """What a filter beside the active one takes in of a tick."""
 
 
@@ -58,14 +61,16 @@ class CoreTick:
         rows = {"delivered": self._delivered, "found": found, "observed": self.observed, "taken": taken}
         said = {"said": np.zeros((most, len(SAID.rows))), "by_measurement": self.said}
         self.control.take(SENSING, **rows, **said, depths=self.depths, tick=self.memory)
+        self._beside: tuple[int, ...] = ()
 
     def beside(self, design: int, state: int, motion: int) -> tuple[int, ...]:
         """Return the addresses of what a filter beside takes in of the tick.
 
         `design`, `state`, `motion` : addresses of its design and state, and of the mean payout's motion
         """
-        at = [self.control.address(SENSING, name) for name in ("sense", "look", "sense_state", "look_state", *BESIDE)]
-        sense, look, sense_state, look_state, *rows = at
+        if not self._beside:
+            self._beside = tuple([self.control.address(SENSING, name) for name in BESIDE])
+        sense, look, sense_state, look_state, *rows = self._beside
         return (sense, design, look, motion, sense_state, state, look_state, *rows)
 
     def deliver(self, measurements: Measurements) -> int:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import daqp
 import numpy as np
@@ -171,23 +171,22 @@ class PlanSolver:
         self._hessian = np.ascontiguousarray(hessian * self._scale[:, None] * self._scale[None, :])
         self._forced = np.ascontiguousarray(forced * self._scale[None, :])
         self._settings = {"iter_limit": iteration_limit, "rho_soft": softness}
-        self._fresh: daqp.Model | None = None
+        self._fresh: Any = None  # solver without a warm start
         self.restart()
 
     def restart(self) -> None:
         """Discard the warm start: another solver takes the place, which was prepared beside the ticks."""
-        self._solver, self._fresh = self._fresh or self._made(), None
+        self.prepare()
+        self._solver, self._fresh = self._fresh, None
 
     def prepare(self) -> None:
         """Have such a solver: to set one up takes longer than a tick may."""
-        self._fresh = self._fresh or self._made()
-
-    def _made(self) -> daqp.Model:
-        """Return a solver without a warm start."""
+        if self._fresh is not None:
+            return
         rows, columns = self._forced.shape
-        solver = daqp.Model()
-        solver.settings = self._settings
-        solver.setup(
+        self._fresh = daqp.Model()
+        self._fresh.settings = self._settings
+        self._fresh.setup(
             self._hessian,
             np.zeros(columns),
             self._forced,
@@ -195,7 +194,6 @@ class PlanSolver:
             np.full(rows, -UNBOUNDED),
             np.full(rows, SOFT, dtype=np.int32),
         )
-        return solver
 
     def solve(self, lower: Array, upper: Array) -> tuple[Array | None, int]:
         """Return the correction, shape (m,), for bounds `lower` and `upper`, shape (r,), and its iterations."""
