@@ -195,3 +195,12 @@ def test_nothing_is_looked_at(why):
     watched.number += why == "no look is due"
     assert watched.tick() == NOTHING
     assert np.all(watched.reflex.state["looks"] == 0)
+
+
+def test_the_filter_that_goes_by_the_count_of_an_encoder_that_is_aside_stays_until_it_is_judged():
+    watched = Watched()
+    watched.controller.observer.exclude("encoder")
+    watched.reflex.state["compares"] = 1
+    assert watched.tick(5) == [NOTHING] * 5
+    watched.reflex.state["nats"] = -SEPARATED - 0.1
+    assert watched.tick() == ReflexNews.COUNT_JUDGED

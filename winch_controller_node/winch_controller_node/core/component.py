@@ -1,8 +1,9 @@
 """The winch controller as a component: measurements of a tick in, one winch order out. No ROS, no truth, no clock.
 
 A tick is one call of the core (`heave_core`, tick.cpp), which waits where something has happened: another mode, an
-alarm, a plan. The state is split by linearity into the mean payout's own motion (known exactly, it is our command) and
-the rest, which is what the estimator and the laws deal with; the two are superposed in the command.
+alarm, a plan. What takes longer than a tick may is done between two of them (`settle`). The state is split by linearity
+into the mean payout's own motion (known exactly, it is our command) and the rest, which is what the estimator and the
+laws deal with; the two are superposed in the command.
 """
 
 from __future__ import annotations
