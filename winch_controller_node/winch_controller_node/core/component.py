@@ -270,7 +270,10 @@ class WinchController(ControllerEvents):
 
     def _watch_preview(self) -> HeavePreview | None:
         """Return the preview that is to be used; say when one is used no more, or again."""
-        loop, delivered = self._estimation.tick, self._measurements.preview
+        delivered = self._measurements.preview
+        if not self.preview.is_wanted(delivered):
+            return None
+        loop = self._estimation.tick
         boom_tip = None if "mru" in loop.lost else loop.tip
         preview = self.preview.step(loop.number * round(self._dt * 1e9), delivered, boom_tip)
         is_used = preview is not None
