@@ -174,6 +174,10 @@ class EncoderGate(Part, EncoderView):
         return None if math.isnan(found) else found
 
     @property
+    def jumped_at(self):
+        return float(self._record["jumped_at"])
+
+    @property
     def play(self):
         return float(self._record["play"])
 

@@ -9,6 +9,7 @@ from heave_core.watch_table import ReflexNews
 from winch_controller_node.core.component import WinchController
 from winch_controller_node.core.estimation.sense_design import SENSOR
 from winch_controller_node.core.supervision.modes import MODES, Mode
+from winch_controller_node.core.supervision.watch.drum_watch import ORDERED_TIME
 from winch_controller_node.core.supervision.watch.encoder_reflex import CONSTANTS, LOST_TIME
 from winch_controller_node.interface.readings import Measurements
 from winch_controller_node.node_parameters import WinchControllerParameters
@@ -52,18 +53,19 @@ class Watched:
         return found[0] if count == 1 else found
 
     def turn(self, seconds, factor):
-        """Let the winch be ordered waves, and the encoder read `factor` times the nominal drum; stop before a look."""
+        """Order waves, the encoder reading `factor` times the nominal drum, up to before a look; return its payouts."""
         winch, payout, rate = self.controller.parameters.winch, 0.0, 0.0
         share = -math.expm1(-DT / winch.time_constant)
-        delayed = [0.0] * round(winch.command_delay / DT)
+        delayed, payouts = [0.0] * round(winch.command_delay / DT), []
         for place in range(round(seconds / DT)):
             ordered = 0.5 * math.sin(0.7 * DT * place)
             delayed.append(ordered)
             before, rate = rate, rate + share * (delayed.pop(0) - rate)
             payout += DT * 0.5 * (before + rate)
+            payouts.append(payout)
             self.drum.add(0.0, ordered, factor * payout)
         self.number += self.number % 2 == 0
-        return factor * payout
+        return payouts
 
 
 def lost_for(watched, seconds):
@@ -146,11 +148,12 @@ def test_a_count_that_agrees_again_ends_the_dispute_and_takes_back_what_was_name
 
 def test_a_reversed_encoder_is_set_aside_and_the_drum_is_where_it_was_ordered():
     watched = Watched()
-    read = watched.turn(8.0, -1.0)
+    payouts = watched.turn(8.0, -1.0)
     assert watched.tick() == ReflexNews.ENCODER_REFUTED
     assert watched.reflex.state["compares"][0] == 1
-    # 0.8 s ago it was read to be as far the other way
-    assert watched.reflex.state["payout"][0] != pytest.approx(read, abs=0.05)
+    # from where it was read 0.8 s ago it has gone as it was ordered
+    before, now = payouts[-1 - round(ORDERED_TIME / DT)], payouts[-1]
+    assert watched.reflex.state["payout"][0] == pytest.approx(-before + (now - before), abs=0.02)
     assert not watched.reflex.alarm.name.endswith("scale")
 
 

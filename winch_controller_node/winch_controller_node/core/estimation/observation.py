@@ -70,11 +70,6 @@ class EncoderGate:
         return float(self._record["jump"])
 
     @property
-    def jumped_at(self) -> float:
-        """Time of the last jump [s]."""
-        return float(self._record["jumped_at"])
-
-    @property
     def as_read(self) -> float:
         """Payout as the encoder reads it, jumps taken off, whatever its assumed scale [m]."""
         return float(self._record["as_read"])
