@@ -146,8 +146,9 @@ def test_a_count_that_agrees_again_ends_the_dispute_and_takes_back_what_was_name
         assert watched.reflex.state["is_named"][0] == is_unresolved
 
 
-def test_a_reversed_encoder_is_set_aside_and_the_drum_is_where_it_was_ordered():
-    watched = Watched()
+@pytest.mark.parametrize("mode", [Mode.COMPENSATING, Mode.FADE_OUT])
+def test_a_reversed_encoder_is_set_aside_and_the_drum_is_where_it_was_ordered(mode):
+    watched = Watched(mode)
     payouts = watched.turn(8.0, -1.0)
     assert watched.tick() == ReflexNews.ENCODER_REFUTED
     assert watched.reflex.state["compares"][0] == 1
