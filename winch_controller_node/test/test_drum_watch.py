@@ -454,7 +454,10 @@ def test_a_winch_that_has_not_done_what_it_was_ordered_for_long_is_not_known_any
 
 
 def test_the_second_look_that_is_wrong_sets_an_encoder_aside():
-    assert acts([TRUE] * 20 + [BACK] * 5)[0] == [(21, SET_ASIDE)]
+    """It has gone the right way, be it for two seconds: the sign was not wrong from the start."""
+    found, reflex = acts([TRUE] * 20 + [BACK] * 5)
+    assert found == [(21, SET_ASIDE)]
+    assert not reflex.is_unresolved
 
 
 def test_one_that_goes_right_again_is_used_again():
