@@ -17,12 +17,13 @@ import numpy as np
 from heave_core import law, law_table, layout
 from heave_core.envelope_table import READINGS
 from heave_core.law import ACTING, SUPERVISING, Control
-from heave_core.law_table import GIVEN, Stage, Stop
+from heave_core.law_table import Stage, Stop
 from heave_core.library import dtype_of, fill, library, new
 from heave_core.look_table import HANGING_CABLE, HANGING_UNIT, SIGMA
 from heave_core.sense_table import DELIVERED
-from heave_core.watch_table import LANDING_SEEN, LANDING_STATE
-from winch_controller_node.core.estimation.core_tick import row_of
+from heave_core.watch_table import LANDING_STATE
+from heave_node.interface.codes import WinchLimit
+from winch_controller_node.core.estimation.core_tick import put_readings
 from winch_controller_node.core.estimation.loop_estimation import LoopEstimation
 from winch_controller_node.core.supervision import late_commands, proofs
 from winch_controller_node.core.supervision.watch import load_watch, winch_watch
@@ -254,7 +255,7 @@ def change_order(controller, change):
         change(ordered)
         return Stage.SEND
 
-    controller._begin = lambda tick, measurements: begin(tick, measurements, Stop.BEFORE_ANSWER)
+    controller._begin = lambda tick, measurements: begin(tick, measurements, stops=Stop.BEFORE_ANSWER)
     controller._goes_on[Stage.ANSWER] = changed
 
 
@@ -278,14 +279,18 @@ def lead_alone(alone, record, set_point, *, unit_stands):
 # watches
 
 
+LANDING_SEEN = 11
+"""Numbers of `LandingSeen`."""
+
+
 def add_depth(landing, time, depth):
     """Take a reading of the `depth` [m], positive down, of a `time` [s] into a LandingWatch."""
     part("add", "Trend")(landing.state["depth"], time, depth)
 
 
 def observe_landing(landing, *seen):
-    """Take the first rows of LANDING_SEEN of a tick into a LandingWatch."""
-    landing.seen = rows = np.zeros(len(LANDING_SEEN.rows))
+    """Take the first numbers of `LandingSeen` of a tick into a LandingWatch."""
+    landing.seen = rows = np.zeros(LANDING_SEEN)
     rows[: len(seen)] = seen
     part("observe_landing")(landing.design, landing.state, rows)
 
@@ -296,7 +301,7 @@ def shows_hanging(landing):
 
 
 def judge_landing(landing, *seen):
-    """Return what has happened in the tick that a LandingWatch has observed, by the last rows of LANDING_SEEN."""
+    """Return what has happened in the tick that a LandingWatch has observed, by the last numbers of `LandingSeen`."""
     landing.seen[-len(seen) :] = seen
     part("judge_landing")(landing.design, landing.state, landing.seen)
     return int(landing.state["event"][0])
@@ -351,14 +356,44 @@ class Proofs(proofs.Proofs):
 
     def step(self, raw, driven):
         """Take in the `raw` readings of a tick, in which the winch is `driven` so."""
-        winch, rows = raw.winch, np.array(row_of(raw))
+        winch, rows = raw.winch, np.zeros((64, len(DELIVERED.rows)))
+        count = put_readings(rows, raw)
         of_winch = (0.0,) * 4 if winch is None else (1.0, *winch[:3])
         runs, has_swung = driven.taken_over == "DRUM_NOT_HELD: count", driven.taken_over == "LOAD_SWUNG_HIGHER"
         seen = (driven.latest, *of_winch, self.brake, driven.waits, driven.hangs, driven.has_mru, runs, has_swung)
-        on = self.design, np.array(seen, float), rows, len(rows) // len(DELIVERED.rows), self.state
+        on = self.design, np.array(seen, float), rows, count, self.state
         news = part("prove", "ProofDesign", COUNT)(*on, self.records["proof_work"])
         found = self.alarms(news, winch) if news else ()
         return Proven(self.gate, found)
+
+
+Ordered = namedtuple("Ordered", ("share", "left", "payout", "is_limited"), defaults=(False,))
+"""What the encoder reads of what a drum was ordered: the numbers of `Ordered`."""
+
+
+def drum_error(watch):
+    """Return how far the drum of a DrumWatch, or of DrumOrders, is off what was predicted a second ago [m]."""
+    orders = getattr(watch, "_core", watch)
+    return part("drum_error", result=NUMBER)(orders.design, orders.state, tuple(orders.room.values()))
+
+
+def drum_ordered(watch):
+    """Return what the encoder reads of what the assumed drum of a DrumWatch, or of DrumOrders, was ordered, or None."""
+    orders = getattr(watch, "_core", watch)
+    given = orders.design, orders.state, tuple(orders.room.values()), orders.design["assumed"]
+    found = Ordered(*part("drum_ordered", result=len(Ordered._fields))(*given))
+    return None if math.isnan(found.share) else found._replace(is_limited=bool(found.is_limited))
+
+
+def reads(reflex, ordered, what, *was):
+    """Tell whether the encoder reads as `what` says, by an EncoderReflex, of what was Ordered."""
+    return part(f"reads_{what}", result=FLAG)(reflex.design, np.array(ordered, float), *was)
+
+
+def look_at_encoder(reflex, tick, ordered, *, is_aside):
+    """Return what an EncoderReflex finds in a tick, by what was Ordered; None: unknown."""
+    shown = np.array((math.nan, 0.0, 0.0, 0.0) if ordered is None else ordered, float)
+    return part("look_at_encoder", result=COUNT)(reflex.design, reflex.state, tick, shown, is_aside)
 
 
 def watch_winch(record, *seen):
@@ -370,7 +405,7 @@ def watch_winch(record, *seen):
 class WinchWatch(winch_watch.WinchWatch):
     """The watch of a winch, a tick at a time."""
 
-    given = None
+    given, fault = None, 0
 
     def give(self, order):
         """Note the order of a tick."""
@@ -378,8 +413,11 @@ class WinchWatch(winch_watch.WinchWatch):
 
     def watch(self, winch, payout, tension, parameters):
         """Put the set-points of the last tick and what the encoder made of them on record; return late commands."""
+        self.refer_to(parameters)
+        self.fault = self.fault if winch is None else winch.fault
         order = (math.nan, 0.0, 0.0, False) if self.given is None else self.given[:4]
-        seen = winch is not None, *self.see(winch, parameters)[:3]
+        taken, limits = (0, 0) if winch is None else winch[-2:]
+        seen = winch is not None, taken, limits & WinchLimit.PAYOUT, limits != 0
         watch_winch(self._core, *seen, *order, math.nan if payout is None else payout, tension)
         return self.transport()
 
@@ -397,11 +435,8 @@ class Sensing(LoopEstimation):
         """Sense a tick under a `command` of its two shares; return it."""
         self._command["compensating"], self._command["mean"] = command
         self._landing["unit_stands"] = unit_stands
-        given = {"number": number, "readings": self.deliver(number, measurements, command), "stops": Stop.AFTER_SENSE}
-        if (winch := measurements.winch) is not None:
-            given |= {"has_winch": True, "winch_time": winch.time, "encoder": winch.encoder_payout}
-            given |= {"brake": winch.brake, "fault": winch.fault, "has_begun": self.uses_count}
-        self.control.begin(*(given.get(row.name, 0.0) for row in GIVEN.rows))
+        readings = self.deliver(number, measurements, command)
+        self.control.begin(Stage.SENSE, measurements.winch, number, readings, Stop.AFTER_SENSE, 0.0)
         self.note(len(self._core.observed), 0)
         return self.tick
 

@@ -112,7 +112,6 @@ class ClosedLoop:
         self.take_controller(WinchController(parameters.controller, tick_period=dt, seed=seed))
         self.adviser = Adviser(parameters.controller, tick_period=dt) if has_adviser else None
         self._assumed_water = Water(parameters.controller.water_density, parameters.controller.gravity)
-        self._tick_nanoseconds = round(dt * 1e9)
         self.tick = 1
         self._boom_tip = self.sea.initial_boom_tip()
         self._mean_tip = parameters.sea.boom_tip_height
@@ -124,6 +123,7 @@ class ClosedLoop:
     def step(self) -> tuple[Outputs, Array]:
         """Do one tick; return what the controller gave and the row of the record."""
         tick = self.tick
+        self.controller.settle()
         state, readings = self.plant.readings(tick)
         vessel = self.sea.step(tick, state.top_tension)
         if tick == 1:
@@ -168,7 +168,7 @@ class ClosedLoop:
         if vessel.mru is not None:
             delivered[MRU.name] = [MRU.to_wire(vessel.mru, STANDARD_WATER)]
         # the state at t_k is that of the tick before; before the first tick there was none
-        now = self.tick * self._tick_nanoseconds
+        now = self.tick * round(self._dt * 1e9)
         winch = winch_reading(self.winch.state, now) if self.tick > 1 else None
         return measurements(delivered, winch, self._assumed_water, vessel.preview)
 

@@ -168,7 +168,12 @@ class KalmanFilter:
         self._call = loaded.heave_core_filter
         self.addresses: tuple[int, int] = (self.design.ctypes.data, self.state.ctypes.data)
         self._make_room(1, 2 * m)
-        loaded.heave_core_filter_begin(*self.addresses)
+        self._begin = loaded.heave_core_filter_begin
+        self.begin(x, P)
+
+    def begin(self, x: Array, P: Array) -> None:
+        """Begin again at an estimate (n,) and its covariance (n, n): no reading has been taken in."""
+        self._begin(*self.addresses)
         self._x[:], self._P[:] = x, P
 
     def set_model(self, model: FilterModel) -> None:

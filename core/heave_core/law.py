@@ -144,7 +144,7 @@ SENSING = (
     *("found", "observed", "taken", "said", "by_measurement", "depths", "tick"),
 )
 PROVING = ("proofs", "proof_state", "proof_work")
-WATCHING = ("winch_watch", "winch_state", "drum_rows", "drum_work", "minute")
+WATCHING = ("winch_watch", "winch_state", "drum_rows", "drum_work", "minute", "reflex", "reflex_state")
 SUPERVISING = (
     *("sense", "sense_state", "tick", "design", "state", "seen", "done", "landing", "landing_state"),
     *("guard", "guard_state", "verdict", "attempt_design", "attempts", "modes", "mode", "situation"),
@@ -156,7 +156,10 @@ ACTING = (
 )
 """What each part of a tick works on, in the order of `Control` in tick.h and of the structures in it."""
 
-GIVING, GIVES = ("given",), ("controlled",)
+GIVING, GIVES = ("given", "active"), ("controlled",)
+
+OF_WINCH = [row.name for row in table.GIVEN.rows].index("has_winch")
+"""Numbers of GIVEN before the report of the winch, which is kept as long as no other comes."""
 
 GROUPS = (GIVING, SENSING, PROVING, WATCHING, GIVES, SUPERVISING, ACTING)
 """All of `Control`."""
@@ -168,6 +171,7 @@ class Control:
     Attributes
     ----------
     given, done : numbers of GIVEN and CONTROLLED, on the memory that C++ reads and writes
+    active : array of one ACTIVE
     go_on : goes on with the tick from a Stage; returns the one at which it waits, DONE where the order has left
     """
 
@@ -178,12 +182,14 @@ class Control:
             for group, start in zip(GROUPS, starts, strict=False)
         }
         self._at, self._kept = np.zeros(sum(map(len, GROUPS)), np.uintp), dict[int, Any]()
-        self.given, controlled = np.zeros(len(table.GIVEN.rows)), new(table.CONTROLLED)
+        count, controlled = len(table.GIVEN.rows), new(table.CONTROLLED)
+        self.given, self.active = np.zeros(count), new(table.ACTIVE)
         self.done = controlled.view("f8")
-        self.take(GIVING, given=self.given)
+        self.take(GIVING, given=self.given, active=self.active)
         self.take(GIVES, controlled=controlled)
         self.take(ACTING, done=controlled["acted"])
-        self._pack = partial(struct.Struct(f"{len(table.GIVEN.rows)}d").pack_into, self.given.data, 0)
+        without, whole = (struct.Struct(f"{numbers}d").pack_into for numbers in (OF_WINCH + 1, count))
+        self._pack, self._pack_whole = (partial(pack, self.given.data, 0) for pack in (without, whole))
         self.go_on = partial(library().heave_core_tick, self._at.ctypes.data)
 
     def take(self, group: tuple[str, ...], **records: Any) -> None:
@@ -200,8 +206,18 @@ class Control:
         """Return the address of an array of a `group`, by `name`."""
         return int(self._at[self._places[group][name]])
 
-    def begin(self, *given: float) -> int:
-        """Begin a tick with the numbers of GIVEN; returns as `go_on` does."""
-        self._pack(*given)
-        stage: int = self.go_on(table.Stage.SENSE)
-        return stage
+    def begin(self, stage: int, report: Sequence[float] | None, *given: float) -> int:
+        """Begin a tick at a `stage`; returns as `go_on` does.
+
+        Parameters
+        ----------
+        stage : BEGIN or SENSE
+        report : of the winch, by the rows of GIVEN from `winch_time` on; None: none came
+        given : numbers of GIVEN before it
+        """
+        if report is None:
+            self._pack(*given, 0.0)
+        else:
+            self._pack_whole(*given, 1.0, *report)
+        waits: int = self.go_on(stage)
+        return waits

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from enum import IntEnum, IntFlag
+from enum import IntEnum
 
 from heave_core.envelope_table import MOVE
 from heave_core.filter_table import STATES
@@ -61,7 +61,7 @@ class Way(IntEnum):
     BY_SLOWING = 7
 
 
-class Asks(IntFlag):
+class Asks(IntEnum):
     """What Python is asked for before the command can be made."""
 
     NEEDS_PLAN = 1
@@ -69,7 +69,7 @@ class Asks(IntFlag):
     NEEDS_TENSION = 4
 
 
-class Shaped(IntFlag):
+class Shaped(IntEnum):
     """What has shaped a command."""
 
     BY_SPEED = 1
@@ -82,7 +82,7 @@ class Shaped(IntFlag):
     BY_BOUNDS = 128
 
 
-class Moved(IntFlag):
+class Moved(IntEnum):
     """Which payout has moved in a tick."""
 
     MEAN_MOVED = 1
@@ -196,19 +196,6 @@ PROBLEM = structure(
     Row("x", "", "state of the compensation problem", shape=(STATES,)),
 )
 
-WANTED = structure(
-    "Wanted",
-    "Inputs of the governor.",
-    Row("command", "m/s", "wanted; a payout [m] of a first-order winch"),
-    Row("payout", "m", "of the drum when the command takes effect"),
-    Row("rate", "m/s", "of the drum then"),
-    Row("tension", "N", "expected at the top"),
-    Row("least", "m/s", "least speed of a fade-out; NaN: any"),
-    Row("most", "m/s", "largest speed of a fade-out"),
-    Row("lowest", "m/s", "set-point down to which the envelope lets pass; of a first-order winch about the drum [m]"),
-    Row("highest", "m/s", "set-point up to which it does"),
-)
-
 GOVERNED = structure(
     "Governed",
     "Command after the governor.",
@@ -245,13 +232,6 @@ TENSION_ALONE = structure(
     Row("stiffness", "N/m", "of the wire"),
     Row("standing", "s", "time constant of the correction above a unit that stands"),
     Row("hanging", "s", "the same above one that hangs"),
-)
-
-TENSION_RATE = structure(
-    "TensionRate",
-    "A rate command in two parts.",
-    Row("tip", "m/s", "follows the boom tip"),
-    Row("correction", "m/s", "corrects the tension"),
 )
 
 TENSION_LAW = structure(
@@ -420,6 +400,7 @@ ACT_DONE = structure(
     Row("own_payout", "m", "set-point in the controller's own count, without the place of the rate"),
     Row("own_rate", "m/s", "set-point likewise"),
     Row("set_point", "m", "payout about which the winch works"),
+    Row("depth_set_point", "m", "the part of it that takes the unit to another depth"),
     Row("moved", "", "Moved: which payout has moved"),
     Row("load_news", "", "LoadNews: what has just begun"),
     Row("is_replaced", "", "1: the envelope has sent another order"),
@@ -436,9 +417,10 @@ class Stage(IntEnum):
     ANSWER = 4
     MAKE = 5
     SEND = 6
+    BEGIN = 7
 
 
-class Stop(IntFlag):
+class Stop(IntEnum):
     """Where a tick is to wait in any case."""
 
     AFTER_SENSE = 1
@@ -448,29 +430,53 @@ class Stop(IntFlag):
 
 GIVEN = structure(
     "Given",
-    "Inputs of a tick, beside its readings: the winch's report, and what the parts in Python say.",
+    "What comes at a tick, beside its readings: the winch's report, as long as no other comes.",
     Row("number", "", "of the tick"),
     Row("readings", "", "number of those delivered"),
-    Row("has_winch", "", "1: the winch has reported"),
+    Row("stops", "", "bits of Stop"),
+    Row("cause", "", "Cause for which the envelope has taken over; 0: it has not"),
+    Row("has_winch", "", "1: the winch has reported in this tick"),
     Row("winch_time", "s", "of its report, by its clock"),
     Row("encoder", "m", "its count"),
     Row("encoder_rate", "m/s", "speed that it states with it"),
     Row("brake", "", "1: it has the brake on"),
-    Row("fault", "", "its last one, 0: none"),
+    Row("fault", "", "0: none"),
     Row("command", "", "number of the newest command that it has taken"),
-    Row("at_end", "", "1: it is at the end of its payout, where no model of it holds"),
-    Row("is_limited", "", "1: a limit acts"),
-    Row("at_limit", "", "1: a limit that a sea takes it to acts"),
-    Row("has_begun", "", "1: the count may be used: it is known which payout is the mean one"),
+    Row("limits_hit", "", "bits of the limits that act"),
+)
+
+ACTIVE = structure(
+    "Active",
+    "What holds from tick to tick, until another design, belief or move is active.",
+    Row("payout_limit", "", "bit of the end of the winch's payout, where no model of it holds", COUNTER),
+    Row("identifies_winch", "", "1: what the drum is off counts", COUNTER),
+    Row("has_begun", "", "1: the count may be used: it is known which payout is the mean one", COUNTER),
+    Row("pad", "", "keeps the numbers aligned", COUNTER),
     Row("stated_payout", "m", "payout that was read before that is known; NaN: it is known"),
     Row("static_tension", "N", "under the hanging unit at rest"),
     Row("settled_swing", "m", "of the unit at which a fade-out may end; infinite: it is not asked for"),
     Row("share", "", "authority that is best with the winch as it is known, above 0"),
     Row("tolerated_delay", "s", "of commands beyond the modelled one, with which compensation is tried"),
-    Row("identifies_winch", "", "1: what the drum is off counts"),
-    Row("is_reversed", "", "1: drum or encoder are reversed: the winch is brought to rest"),
-    Row("cause", "", "Cause for which the envelope has taken over; 0: it has not"),
-    Row("stops", "", "bits of Stop"),
+)
+
+NOTED = structure(
+    "Noted",
+    "What the adviser is told of a tick, by the columns of its observations.",
+    Row("command", "", "share of the last command that compensates, in the terms of the model"),
+    Row("order_payout", "m", "set-point of the tick before"),
+    Row("order_rate", "m/s", "set-point of the tick before"),
+    Row("sequence", "", "number of that order"),
+    Row("brake", "", "1: ordered then, or on by the report of the winch"),
+    Row("encoder", "m", "payout as the encoder reads it, jumps taken off; NaN: none came"),
+    Row("taken", "", "number of the newest order in effect; NaN: the winch has not reported"),
+    Row("limits_hit", "", "bits of the limits that act"),
+    Row("tension", "N", "newest at the top; NaN: none yet"),
+    Row("authority", "", "of compensation, 0 to 1"),
+    Row("compensates", "", "1: the mode is that of compensation"),
+    Row("tip_heave", "m", "estimated, of the boom tip"),
+    Row("tip_rate", "m/s", "its rate"),
+    Row("unit_rate", "m/s", "rate of the unit, without the mean payout's share"),
+    Row("missing_push", "m", "by how much more the linear model would push the unit down than a slack cable does"),
 )
 
 CONTROLLED = structure(
@@ -482,12 +488,7 @@ CONTROLLED = structure(
     Row("observed", "", "readings observed"),
     Row("proof_news", "", "ProofNews"),
     Row("asks", "", "Asks: what the law needs first"),
-    Row("compensating", "", "share of the last command that compensates, in the terms of the model"),
-    Row("as_read", "m", "payout as the encoder reads it, jumps taken off; NaN: none came"),
-    Row("tension", "N", "newest at the top; NaN: none yet"),
-    Row("tip", "m", "estimated heave of the boom tip"),
-    Row("tip_rate", "m/s", "its rate"),
-    Row("unit_rate", "m/s", "rate of the unit, without the mean payout's share"),
-    Row("missing_push", "m", "by how much more the linear model would push the unit down than a slack cable does"),
+    Row("encoder_news", "", "ReflexNews"),
+    Row("noted", "", "what the adviser is told", NOTED),
     Row("acted", "", "what the acting half has made", ACT_DONE),
 )

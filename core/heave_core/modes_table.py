@@ -5,7 +5,7 @@ The rows themselves, and the words of events and guards, are the controller's; t
 
 from __future__ import annotations
 
-from enum import IntEnum, IntFlag
+from enum import IntEnum
 
 from heave_core.look_table import SIGMA
 from heave_core.rows import COUNTER, Row, Size, structure
@@ -56,7 +56,7 @@ class ModeEvent(IntEnum):
     MODE_EVENTS = 18
 
 
-class ModeGuard(IntFlag):
+class ModeGuard(IntEnum):
     """What must hold for a row."""
 
     IF_WANTED = 1
@@ -100,7 +100,7 @@ class WhyOff(IntEnum):
     HARM_EXPLAINED = 4
 
 
-class Gate(IntFlag):
+class Gate(IntEnum):
     """What keeps compensation, or constant tension, from beginning."""
 
     LOAD_STANDS = 1
@@ -117,7 +117,7 @@ class Gate(IntFlag):
     PEAKS_HIGH = 2048
 
 
-class Happened(IntFlag):
+class Happened(IntEnum):
     """What Python is to say of a tick in words."""
 
     LOAD_NOT_HANGING = 1

@@ -21,7 +21,7 @@ text. One table, `heave_core.layout`, generates the C++ structures, numpy types 
 | `filter.cpp`, `filter_model.cpp`, `filter_steps.cpp` | Kalman filter: gates, late readings, drag, slack cable |
 | `pass.cpp` | runs many variants of a linear filter over a record at once, for the adviser |
 | `servo.cpp` | simulates a drum driven by the set-points sent, to predict its encoder |
-| `drum_watch.cpp` | compares commands and encoder over the last seconds to find a faulty drum or encoder |
+| `drum_watch.cpp`, `encoder_reflex.cpp` | compare commands and encoder of late; set a faulty encoder aside |
 | `winch_watch.cpp` | late commands, silent winch, reduced gain while the drum is off its prediction |
 | `look.cpp` | motions of boom tip and drum, and of loads simulated with the winch locked and turning |
 | `sense.cpp` | first half of a tick: readings, gates, filter, motions |

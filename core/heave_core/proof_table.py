@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from enum import IntEnum, IntFlag
+from enum import IntEnum
 
 from heave_core.rows import COUNTER, Row, Size, structure
 from heave_core.watch_table import NOMINAL_LOAD_DESIGN, NOMINAL_LOAD_STATE
@@ -31,7 +31,7 @@ class Standing(IntEnum):
     MRU_ALONE = 5
 
 
-class ProofNews(IntFlag):
+class ProofNews(IntEnum):
     """What is new in a tick."""
 
     COUNT_CONTRADICTS = 1
@@ -157,20 +157,4 @@ PROOF_STATE = structure(
     Row("load", "", "the nominal unit under a locked drum", NOMINAL_LOAD_STATE),
     Row("expected", "", "what the witnesses should read", EXPECTED),
     Row("read", "", "what they have read", WITNESS_RECORD, (WITNESSES,)),
-)
-
-PROOF_SEEN = structure(
-    "ProofSeen",
-    "What the proofs are told of a tick, beside its readings.",
-    Row("latest", "s", "stamp up to which a reading can be"),
-    Row("has_winch", "", "1: the drive has reported"),
-    Row("winch_time", "s", "of its report, by its clock"),
-    Row("encoder", "m", "its count"),
-    Row("encoder_rate", "m/s", "speed that it states with it"),
-    Row("is_braked", "", "1: the last order has the brake on, or there was none"),
-    Row("waits", "", "1: compensation is to begin"),
-    Row("hangs", "", "1: the unit hangs, as far as is known"),
-    Row("has_mru", "", "1: the MRU is neither lost nor excluded"),
-    Row("runs", "", "1: the envelope has found by the count that the braked drum runs"),
-    Row("has_swung", "", "1: the envelope has found that compensation swings the load higher"),
 )

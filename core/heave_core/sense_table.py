@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from enum import IntEnum, IntFlag
+from enum import IntEnum
 
 from heave_core.filter_table import MEASUREMENTS, STATES
 from heave_core.look_table import MOTIONS
@@ -59,7 +59,7 @@ class ZeroKind(IntEnum):
     STATIC_TENSION = 2
 
 
-class News(IntFlag):
+class News(IntEnum):
     """What a tick has that Python is to say in words."""
 
     SENSOR_WORSE = 1
@@ -411,6 +411,8 @@ DELIVERED = structure(
     Row("roll", "rad", "of the vessel"),
     Row("pitch", "rad", "of the vessel"),
     Row("status", "", "that the unit reports of itself"),
+    Row("sequence", "", "number of the sample, as the unit counts"),
+    Row("acceleration", "m/s^2", "heave acceleration; NaN: not measured"),
     Row("sigma", "", "of the heave as the unit states it; NaN: it does not"),
     Row("rate_sigma", "", "of the rate likewise"),
 )
@@ -430,20 +432,6 @@ OBSERVED = structure(
     Row("lever_x", "", "weight of the lever arm's x"),
     Row("lever_y", "", "weight of its y"),
     Row("gated", "", "value by the encoder's assumed scale"),
-)
-
-LOOK_AT = structure(
-    "LookAt",
-    "Inputs of the sensing half of a tick.",
-    Row("number", "", "of the tick"),
-    Row("compensating", "", "share of the active command that compensates"),
-    Row("mean", "", "share of it that moves the mean payout"),
-    Row("unit_stands", "", "1: the unit stands on the seabed"),
-    Row("readings", "", "number of those delivered"),
-    Row("has_winch", "", "1: the winch has reported"),
-    Row("winch_time", "s", "of its report"),
-    Row("encoder", "m", "in it"),
-    Row("is_driven", "", "1: the winch follows its commands"),
 )
 
 TICK = structure(

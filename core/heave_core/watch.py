@@ -111,11 +111,10 @@ class DrumOrders:
         self.state = new(table.DRUM_WATCH_STATE) if state is None else state
         fill(self.design[0], values)
         self.room = {"drum_rows": np.zeros(kept, dtype_of(table.DRUM_ROW)), "drum_work": np.zeros(WORK * kept)}
-        self._row, self._found = np.zeros(len(table.DRUM_ROW.rows)), np.zeros(len(table.ORDERED.rows))
+        self._row = np.zeros(len(table.DRUM_ROW.rows))
         self.at = [one.ctypes.data for one in (self.design, self.state, *self.room.values())]
-        self._row_at, self._found_at = self._row.ctypes.data, self._found.ctypes.data
+        self._row_at = self._row.ctypes.data
         self._add, self._reset = core.heave_core_drum_add, core.heave_core_drum_reset
-        self._error, self._ordered = core.heave_core_drum_error, core.heave_core_drum_ordered
 
     def add(self, *row: float) -> None:
         """Take a tick in, by the rows of DRUM_ROW."""
@@ -129,17 +128,6 @@ class DrumOrders:
     def restart(self) -> None:
         """Compare from now on."""
         self.state["readings"] = 0
-
-    def error(self) -> float:
-        """Return how far the drum is off what was predicted a second ago [m]; 0 where unknown."""
-        found: float = self._error(*self.at)
-        return found
-
-    def ordered(self, *, of_nominal: bool) -> list[float]:
-        """Return what the encoder reads of what the assumed or the nominal drum was ordered, by the rows of ORDERED."""
-        self._ordered(*self.at, of_nominal, self._found_at)
-        found: list[float] = self._found.tolist()
-        return found
 
 
 class Link:

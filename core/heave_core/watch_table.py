@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from enum import IntEnum, IntFlag
+from enum import IntEnum
 
 from heave_core.look_table import HANGING_CABLE, HANGING_UNIT
 from heave_core.rows import COUNTER, Row, Size, structure
@@ -22,7 +22,7 @@ class Landed(IntEnum):
     LIFTED_OFF = 2
 
 
-class LoadNews(IntFlag):
+class LoadNews(IntEnum):
     """What has just begun with load, rope and winch."""
 
     SLACK = 1
@@ -38,7 +38,7 @@ CAUSES = Size("CAUSES", len(LoadNews))
 """Causes that are watched."""
 
 
-class LinkNews(IntFlag):
+class LinkNews(IntEnum):
     """What has just become wrong with the commands."""
 
     COMMANDS_SLOW = 1
@@ -141,22 +141,6 @@ LANDING_STATE = structure(
     Row("hanging_share", "", "of the weight that the cable of a hanging unit carries", TREND),
 )
 
-LANDING_SEEN = structure(
-    "LandingSeen",
-    "Inputs of the landing detector at a tick.",
-    Row("time", "s", "of the tick"),
-    Row("tension", "N", "at the top; NaN: none was read"),
-    Row("is_weighed", "", "1: the load cell has been read, and is not lost"),
-    Row("mean_payout", "m", "of the drum"),
-    Row("hanging_depth", "m", "of a unit that only hangs on its cable, about that at rest"),
-    Row("hanging_stretch", "m", "of its cable"),
-    Row("innovation", "", "of the depth sensor, over its standard deviation; NaN: none"),
-    Row("filtered_tension", "N", "low-passed"),
-    Row("sees_landing", "", "1: there is a depth sensor, and it is neither lost nor excluded"),
-    Row("has_depths", "", "1: a depth has been read in this tick"),
-    Row("compensates", "", "1: the winch follows the mean payout"),
-)
-
 KPI_DESIGN = structure(
     "KpiDesign",
     "Length of the window, and when the winch counts as at its limits.",
@@ -238,13 +222,60 @@ DRUM_ROW = structure(
     Row("is_limited", "", "1: the winch reports that a limit acted"),
 )
 
-ORDERED = structure(
-    "Ordered",
-    "Encoder readings compared with the commands.",
-    Row("share", "", "times as much; NaN: not known"),
-    Row("left", "", "standard deviation of the rest over that of the readings"),
-    Row("payout", "m", "where the drum should be by now, did it start where it was read"),
-    Row("is_limited", "", "1: the winch reports that it was at a limit meanwhile"),
+
+class ReflexNews(IntEnum):
+    """What the reflex about the encoder has found before a tick."""
+
+    ENCODER_FOUND = 1
+    COUNT_STEPPED = 2
+    COUNT_AGREES = 4
+    COUNT_JUDGED = 8
+    COUNT_DISPUTED = 16
+    BELIEFS_REFUTED = 32
+    ENCODER_REFUTED = 64
+    ENCODER_TRUSTED = 128
+
+
+REFLEX_DESIGN = structure(
+    "ReflexDesign",
+    "When the encoder is set aside; what it reads is a share of what the winch was ordered.",
+    Row("look_ticks", "", "from one look to the next", COUNTER),
+    Row("looks", "", "running that are wrong, of an encoder that has gone the right way", COUNTER),
+    Row("lost_ticks", "", "after which a lost encoder is lost indeed", COUNTER),
+    Row("pad", "", "keeps the numbers aligned", COUNTER),
+    Row("tick_period", "s", "time of a tick"),
+    Row("another_count", "s", "from a jump of the count to the first effect of an order in the new one"),
+    Row("longest_aside", "s", "in which it must be known what an encoder reads that is set aside"),
+    Row("beginning", "s", "since the winch began to move, in which it may be the winch that is reversed"),
+    Row("separated", "", "evidence of a third sensor at which drive or encoder is named [nats]"),
+    Row("learnt", "", "share of a look in that of looks in which the encoder reads what was ordered"),
+    Row("known", "", "that share from which on the winch is known: the encoder then errs"),
+    Row("straight", "", "rest over the readings up to which orders and encoder are compared"),
+    Row("reversed", "", "share below which the encoder is reversed"),
+    Row("not_reversed", "", "share above which it is no more"),
+    Row("less", "", "share below which its scale has changed suddenly"),
+    Row("more", "", "share above which it has"),
+    Row("not_less", "", "share from which on it has not any more"),
+    Row("not_more", "", "share up to which it has not any more"),
+    Row("error", "", "largest of the share of an encoder that reads what was ordered"),
+)
+
+REFLEX_STATE = structure(
+    "ReflexState",
+    "What the reflex remembers of the encoder.",
+    Row("last", "", "tick in which the winch moved; -1: none", COUNTER),
+    Row("lost_ticks", "", "for which it has been lost", COUNTER),
+    Row("looks", "", "running in which it was wrong", COUNTER),
+    Row("was_right", "", "1: it has gone the right way", COUNTER),
+    Row("is_unresolved", "", "1: winch or encoder are wrong, and which is not known: nothing can be done", COUNTER),
+    Row("is_reversed", "", "1: it was set aside for its direction; 0: for its scale", COUNTER),
+    Row("is_named", "", "1: drive or encoder has been named", COUNTER),
+    Row("compares", "", "1: a filter goes by the count, beside the active one", COUNTER),
+    Row("moving_time", "s", "for which the winch has moved"),
+    Row("aside_time", "s", "for which the encoder has been set aside"),
+    Row("true_share", "", "of looks in which it reads what was ordered"),
+    Row("nats", "", "evidence for the filter that goes by the count"),
+    Row("payout", "m", "at which the drum is where the encoder was set aside"),
 )
 
 LINK_DESIGN = structure(
@@ -306,21 +337,6 @@ WINCH_WATCH_STATE = structure(
     Row("drum", "", "orders and encoder", DRUM_WATCH_STATE),
     Row("link", "", "commands", LINK_STATE),
     Row("error", "m", "payout of the drum less what was predicted of it a second ago; 0 where unknown"),
-)
-
-WINCH_SEEN = structure(
-    "WinchSeen",
-    "What the winch reports at a tick, and the command of the last one.",
-    Row("has_state", "", "1: it has reported"),
-    Row("taken", "", "number of the command that it has taken"),
-    Row("at_end", "", "1: it is at the end of its payout, where no model of it holds"),
-    Row("is_limited", "", "1: another limit acts"),
-    Row("given", "", "number of the last order; NaN: none was given"),
-    Row("payout", "m", "its set-point"),
-    Row("rate", "m/s", "its set-point"),
-    Row("brake", "", "1: it has the brake on"),
-    Row("reading", "m", "of the encoder, accepted; NaN: none"),
-    Row("tension", "N", "at the top; NaN: unknown"),
 )
 
 NOMINAL_LOAD_DESIGN = structure(

@@ -10,6 +10,8 @@ from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 from scipy.signal import lsim
 
+from tests.core_parts import drum_error, drum_ordered
+
 DT, AHEAD, COUNT = 0.05, 10, 100
 NOTHING = np.zeros(AHEAD + COUNT)
 UNKNOWN = np.full(AHEAD + COUNT, math.nan)
@@ -107,7 +109,7 @@ def test_payout_and_rate_at_the_start_are_those_that_the_first_readings_show(sta
     orders, readings = orders_of(drum), record(drum, rates, start=start)
     for rate, reading in zip(rates, [*[math.nan] * (AHEAD - 1), start[0], *readings], strict=True):
         orders.add(0.0, rate, math.nan, reading, False)
-    assert orders.error() == pytest.approx(0.0, abs=1e-9)
+    assert drum_error(orders) == pytest.approx(0.0, abs=1e-9)
 
 
 @settings(max_examples=40, deadline=None)
@@ -119,13 +121,13 @@ def test_what_an_encoder_reads_of_its_orders_is_numpys_least_squares(share, lag,
     read = share * path + 0.01 * np.random.default_rng(seed).standard_normal(COUNT)
     for rate, reading in zip(rates, [*[math.nan] * (AHEAD - 1), 0.0, *read], strict=True):
         orders.add(0.0, rate, math.nan, reading, False)
-    found, left, payout, is_limited = orders.ordered(of_nominal=False)
+    ordered = drum_ordered(orders)
     (wanted, _), rest, *_ = np.polyfit(path[-COMPARED:], read[-COMPARED:], 1, full=True)
-    if math.isfinite(found):
-        assert found == pytest.approx(wanted, abs=1e-9)
-        assert left == pytest.approx(math.sqrt(rest[0] / COMPARED) / np.std(read[-COMPARED:]), abs=1e-9)
-        assert payout == pytest.approx(read[-COMPARED - 1] + path[-1] - path[-COMPARED - 1], abs=1e-9)
-    assert not is_limited
+    if ordered is not None:
+        assert ordered.share == pytest.approx(wanted, abs=1e-9)
+        assert ordered.left == pytest.approx(math.sqrt(rest[0] / COMPARED) / np.std(read[-COMPARED:]), abs=1e-9)
+        assert ordered.payout == pytest.approx(read[-COMPARED - 1] + path[-1] - path[-COMPARED - 1], abs=1e-9)
+        assert not ordered.is_limited
 
 
 def test_play_of_the_gear_holds_the_reading_while_the_drum_turns_back():

@@ -4,14 +4,16 @@ import numpy as np
 import pytest
 from heave_bringup.closed_loop import ClosedLoop, loop_parameters
 from heave_bringup.scenarios import load_scenario
-from heave_core.law_table import ACT_DONE, COMMAND, CONTROLLED, GIVEN, Stage
+from heave_core.law_table import ACT_DONE, COMMAND, GIVEN, NOTED, Stage
 from scipy.signal import lsim
+from winch_controller_node.core.component import ACTED
 from winch_controller_node.core.loop_command import LEAK, REACH
+from winch_controller_node.interface.observations import TICK_COLUMNS
 
 from tests.allocation import allocates
 from tests.core_parts import Place
 
-TICK, ACTED = 0.05, [row.name for row in CONTROLLED.rows].index("acted")
+TICK = 0.05
 
 
 def settled(*changes):
@@ -50,12 +52,16 @@ def test_nothing_is_allocated_from_the_readings_to_the_order_that_leaves():
 
     def go():
         control.given[number] += 1.0
-        stage = control.go_on(Stage.SENSE)
+        stage = control.go_on(Stage.BEGIN)
         while stage:
             stage = control.go_on(stage)
 
     go()
     assert not allocates(go)
+
+
+def test_the_core_notes_for_the_adviser_what_the_columns_of_an_observation_say():
+    assert tuple(row.name for row in NOTED.rows) == TICK_COLUMNS
 
 
 # the place that belongs to a commanded speed

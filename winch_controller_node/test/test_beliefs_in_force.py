@@ -172,6 +172,32 @@ def test_parameters_in_force_are_those_under_the_beliefs_and_what_is_reset_is_wh
     assert controller.design.limits.speed <= wanted.winch.speed_limit
 
 
+@pytest.mark.parametrize("change", CHANGES)
+def test_an_answer_becomes_active_between_two_ticks_as_it_would_in_the_next_one(change):
+    beliefs, settled, unsettled = answer(10, **CHANGES[change]), made(), made()
+    for controller in (settled, unsettled):
+        stepped(controller, 1, 10)
+        assert controller.take(beliefs)
+        stepped(controller, 11, 9 + AFTER)
+    settled.settle()
+    assert (settled.beliefs.number, unsettled.beliefs.number) == (1, 0)
+    design = settled.design
+    alarms, others = (stepped(controller, 10 + AFTER, 20 + AFTER) for controller in (settled, unsettled))
+    assert settled.design is design, "nothing is left to be done in the tick"
+    assert alarms == others
+    np.testing.assert_array_equal(settled.estimator.estimate, unsettled.estimator.estimate)
+    np.testing.assert_array_equal(settled.estimator.covariance, unsettled.estimator.covariance)
+
+
+def test_an_answer_that_is_due_and_comes_after_the_controller_has_settled_is_active_in_the_tick():
+    controller = made()
+    stepped(controller, 1, 9 + AFTER)
+    controller.settle()
+    assert controller.take(answer(10, {"winch.speed_gain": 0.8}))
+    stepped(controller, 10 + AFTER, 10 + AFTER)
+    assert controller.parameters.winch.speed_gain == 0.8
+
+
 def test_an_estimate_that_is_adopted_is_followed_up_to_now():
     """Nothing is read and nothing ordered: a state of 20 ticks ago is now A^20 of it."""
     controller = made()
@@ -215,7 +241,7 @@ def test_an_encoder_that_a_reflex_sets_aside_is_no_concern_of_an_echo(aside):
     controller = made()
     stepped(controller, 1, 10)
     controller.observer.exclude("encoder" if aside else "")
-    controller._encoder.is_unresolved = aside
+    controller._encoder.state["is_unresolved"] = aside
     for asked, excluded in ((10, "encoder"), (10 + AFTER, "")):
         assert controller.take(answer(asked, excluded=excluded, number=asked))
         stepped(controller, asked + 1, asked + AFTER)

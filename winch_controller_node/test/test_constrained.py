@@ -20,6 +20,7 @@ from winch_controller_node.laws.mpc import (
     constrained_gain,
     free_gain,
 )
+from winch_controller_node.laws.parts import plan
 from winch_controller_node.laws.parts.governor import drum_ahead
 from winch_controller_node.laws.parts.loop_state import LoopState, Reference
 from winch_controller_node.laws.parts.plan import correction_knots
@@ -171,6 +172,21 @@ def test_an_unsolved_problem_follows_the_last_good_plan_and_says_so(design):
     assert command.status.startswith("not solved in")
     assert np.isfinite(command.value)
     assert law.command(state).status.startswith("not solved in")
+
+
+def test_a_solver_that_was_prepared_takes_the_place_of_one_that_is_restarted_and_finds_the_same(design, monkeypatch):
+    """To set one up takes longer than a tick may."""
+    plain, prepared = make_law(design), make_law(design)
+    state = sea_state(design, 3.0)
+    plain.command(state)
+    prepared.command(state)
+    plain.reset()
+    wanted = plain.command(state)
+    prepared.prepare()
+    monkeypatch.setattr(plan.daqp, "Model", None)
+    prepared.reset()
+    assert prepared.command(state) == wanted
+    assert wanted.iterations > 0
 
 
 def test_the_plan_is_followed_between_solutions(design):

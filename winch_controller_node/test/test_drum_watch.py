@@ -6,15 +6,12 @@ import numpy as np
 import pytest
 from cable_sim_node.winch.component import VirtualWinch, WinchCommand
 from cable_sim_node.winch.parameters import WinchParameters
-from winch_controller_node.core.supervision.watch.drum_watch import CHECKED_TIME, ORDERED_TIME, DrumWatch, Ordered
-from winch_controller_node.core.supervision.watch.encoder_reflex import (
-    BEGINNING,
-    LONGEST_ASIDE,
-    LOOKS,
-    Act,
-    EncoderReflex,
-)
+from heave_core.watch_table import ReflexNews
+from winch_controller_node.core.supervision.watch.drum_watch import CHECKED_TIME, ORDERED_TIME, DrumWatch
+from winch_controller_node.core.supervision.watch.encoder_reflex import CONSTANTS, EncoderReflex
 from winch_controller_node.node_parameters import WinchControllerParameters
+
+from tests.core_parts import Ordered, drum_error, drum_ordered, look_at_encoder, reads
 
 DT = 0.05
 BELIEF = WinchControllerParameters()
@@ -42,7 +39,7 @@ def watched(*, seconds=20.0, factor=1.0, believed=None, size=0.5, gap=(), limite
         state = drum.step(tick, WinchCommand(tick + 1, 0.0, float(rate)))
         read = None if tick in gap else factor * state.encoder_payout
         watch.add(0.0, float(rate), read, is_limited=tick in limited)
-        errors.append(watch.error())
+        errors.append(drum_error(watch))
         payouts.append(state.payout)
     return watch, np.array(errors), np.array(payouts)
 
@@ -73,13 +70,13 @@ def test_nothing_is_predicted_from_too_few_readings_or_through_a_gap():
 
 def test_a_restart_forgets_the_readings_and_a_reset_the_orders_as_well():
     watch, *_ = watched(speed_gain=0.5)
-    assert watch.error() != 0.0
+    assert drum_error(watch) != 0.0
     watch.restart()
-    assert (watch.error(), watch.ordered()) == (0.0, None)
+    assert (drum_error(watch), drum_ordered(watch)) == (0.0, None)
     watch.reset(2.0)
     for _ in range(3 * round(CHECKED_TIME / DT)):
         watch.add(2.0, 0.0, 2.0)
-    assert watch.error() == pytest.approx(0.0, abs=1e-9)
+    assert drum_error(watch) == pytest.approx(0.0, abs=1e-9)
 
 
 @pytest.mark.parametrize(
@@ -89,7 +86,7 @@ def test_a_restart_forgets_the_readings_and_a_reset_the_orders_as_well():
 def test_an_encoder_reads_its_factor_times_the_gain_of_the_winch_of_what_that_was_ordered(factor, gain):
     """The speed at the start is known to a tick: 0.02 m/s for the lag of 0.15 s are 3 mm, of 3 cm and more."""
     watch, _, payouts = watched(factor=factor, speed_gain=gain)
-    ordered, count = watch.ordered(), round(ORDERED_TIME / DT)
+    ordered, count = drum_ordered(watch), round(ORDERED_TIME / DT)
     assert ordered.share == pytest.approx(factor * gain, rel=0.06)
     assert ordered.left < 0.15
     travel = (payouts[-1] - payouts[-1 - count]) / gain
@@ -97,16 +94,16 @@ def test_an_encoder_reads_its_factor_times_the_gain_of_the_winch_of_what_that_wa
 
 
 def test_a_gain_that_is_believed_is_none_of_the_encoder():
-    ordered = watched(speed_gain=0.7, believed={"winch.speed_gain": 0.7})[0].ordered()
+    ordered = drum_ordered(watched(speed_gain=0.7, believed={"winch.speed_gain": 0.7})[0])
     assert ordered.share == pytest.approx(1.0, rel=0.05)
-    assert ordered.is_true
+    assert reads(EncoderReflex(DT), ordered, "true")
 
 
 @pytest.mark.parametrize(
     "case", [{"size": 0.002}, {"gap": range(390, 398)}, {"gap": [400 - 16]}, {"seconds": 0.5}], ids=str
 )
 def test_too_little_that_was_read_or_moved_tells_nothing_of_the_encoder(case):
-    assert watched(**case)[0].ordered() is None
+    assert drum_ordered(watched(**case)[0]) is None
 
 
 @pytest.mark.parametrize(
@@ -114,7 +111,7 @@ def test_too_little_that_was_read_or_moved_tells_nothing_of_the_encoder(case):
 )
 def test_a_limit_counts_where_it_acted_while_orders_and_encoder_are_compared(limited, is_limited):
     """Of 400 ticks the last 0.8 s, which are 16."""
-    assert watched(limited=limited)[0].ordered().is_limited is is_limited
+    assert drum_ordered(watched(limited=limited)[0]).is_limited is is_limited
 
 
 COUNT = round(ORDERED_TIME / DT)
@@ -125,14 +122,14 @@ def test_a_new_watch_needs_no_reset_and_takes_the_winch_for_the_nominal_one_at_r
     drum.step(0, WinchCommand(1))
     for tick, rate in enumerate(waves(2.2), start=1):
         watch.add(0.0, float(rate), drum.step(tick, WinchCommand(tick + 1, 0.0, float(rate))).encoder_payout)
-        assert abs(watch.error()) < 4e-3
-    assert watch.ordered().share == pytest.approx(1.0, rel=0.05)
+        assert abs(drum_error(watch)) < 4e-3
+    assert drum_ordered(watch).share == pytest.approx(1.0, rel=0.05)
 
 
 @pytest.mark.parametrize(("missing", "is_known"), [(4, True), (5, False)])
 def test_four_fifths_of_the_readings_are_enough(missing, is_known):
     """Of 16 ticks 12.8 need readings: of the 17 readings four may be missing."""
-    assert (watched(gap=range(390, 390 + missing))[0].ordered() is not None) is is_known
+    assert (drum_ordered(watched(gap=range(390, 390 + missing))[0]) is not None) is is_known
 
 
 @pytest.mark.parametrize(("speed", "is_known"), [(0.02, True), (0.016, False)])
@@ -141,7 +138,7 @@ def test_a_few_millimetres_of_motion_are_needed(speed, is_known):
     watch = DrumWatch(BELIEF.winch, BELIEF.lag.largest, DT)
     for tick in range(200):
         watch.add(0.0, speed, speed * DT * tick)
-    ordered = watch.ordered()
+    ordered = drum_ordered(watch)
     assert (ordered is not None) is is_known
     if ordered is not None:
         assert (ordered.share, ordered.left) == pytest.approx((1.0, 0.0), abs=1e-3)
@@ -160,7 +157,7 @@ def test_after_a_restart_in_motion_the_speed_that_a_slow_servo_had_by_then_count
         watch.add(0.0, float(rate), state.encoder_payout)
         if tick == started:
             watch.restart()
-    ordered = watch.ordered()
+    ordered = drum_ordered(watch)
     assert ordered.share == pytest.approx(1.0, rel=0.1)
     assert ordered.left < 0.15
 
@@ -176,7 +173,7 @@ def looped(*, gain=0.5, gap=(), place=0.0, seconds=6.0, reset=None):
     for tick, rate in enumerate(waves(seconds, 0.2), start=1):
         state = drum.step(tick, WinchCommand(tick + 1, 0.0, float(rate)))
         watch.add(place, float(rate), None if tick in gap else place + state.encoder_payout)
-        errors.append(watch.error())
+        errors.append(drum_error(watch))
     return watch, np.array(errors)
 
 
@@ -188,7 +185,7 @@ def test_a_position_loop_is_predicted_from_where_the_drum_was(gap, off):
     """
     for place in (0.0, 3.0):
         watch, errors = looped(gap=gap, place=place)
-        ordered = watch.ordered()
+        ordered = drum_ordered(watch)
         assert ordered.share == pytest.approx(1.0, rel=off)
         assert ordered.left < 0.05
         if not gap:
@@ -205,7 +202,7 @@ def test_the_orders_before_a_reset_were_to_stay_where_the_drum_was():
     watch.reset(3.0)
     for _ in range(2 * round(CHECKED_TIME / DT)):
         watch.add(3.0, 0.0, 3.0)
-    assert watch.error() == pytest.approx(0.0, abs=1e-9)
+    assert drum_error(watch) == pytest.approx(0.0, abs=1e-9)
 
 
 LONGEST_DELAY = BELIEF.winch.command_delay + BELIEF.lag.largest
@@ -216,7 +213,7 @@ def test_a_new_watch_takes_the_orders_before_it_for_orders_to_stay_at_zero():
     watch.take({"winch.command_delay": LONGEST_DELAY})
     for _ in range(2 * round(CHECKED_TIME / DT)):
         watch.add(0.0, 0.0, 0.0)
-    assert watch.error() == pytest.approx(0.0, abs=1e-9)
+    assert drum_error(watch) == pytest.approx(0.0, abs=1e-9)
 
 
 def stepped(ticks, *, began=0, delay=LONGEST_DELAY, gain=0.0, restarted=None, reset=None):
@@ -236,7 +233,7 @@ def stepped(ticks, *, began=0, delay=LONGEST_DELAY, gain=0.0, restarted=None, re
         if tick == reset:
             watch.reset(state.payout)
         watch.add(0.0, rate, state.encoder_payout)
-    return watch.ordered(), state.payout
+    return drum_ordered(watch), state.payout
 
 
 @pytest.mark.parametrize("restarted", [66, 68, 69])
@@ -267,7 +264,7 @@ def test_where_either_encoder_or_orders_stand_still_nothing_is_known_of_their_ra
     watch = DrumWatch(BELIEF.winch, BELIEF.lag.largest, DT)
     for tick in range(200):
         watch.add(0.0, rate, read * DT * tick)
-    assert watch.ordered() is None
+    assert drum_ordered(watch) is None
 
 
 @pytest.mark.parametrize("gain", [1.3, 0.7])
@@ -280,7 +277,7 @@ def test_a_drum_that_goes_on_faster_than_ordered_is_ahead_by_what_a_second_of_re
     unexplained = (gain - 1.0) * 0.2 * time
     columns = np.stack([np.ones(40), 1.0 - np.exp(-time / 0.15)], axis=1)
     best = np.linalg.lstsq(columns[:20], unexplained[:20], rcond=None)[0]
-    assert watch.error() == pytest.approx((unexplained - columns @ best)[-1], rel=0.06)
+    assert drum_error(watch) == pytest.approx((unexplained - columns @ best)[-1], rel=0.06)
 
 
 def test_a_limited_drum_goes_by_the_tension_of_each_tick_from_the_first_one_on():
@@ -292,7 +289,7 @@ def test_a_limited_drum_goes_by_the_tension_of_each_tick_from_the_first_one_on()
         speed, tension = (0.25, 200e3) if tick < 20 else (0.125, 400e3)
         payout += speed * DT
         watch.add(0.0, 0.6, payout, tension=tension)
-    assert watch.error() == pytest.approx(0.0, abs=0.04)
+    assert drum_error(watch) == pytest.approx(0.0, abs=0.04)
 
 
 def test_orders_that_act_only_after_the_longest_delay_are_all_at_hand():
@@ -307,7 +304,7 @@ def test_orders_that_act_only_after_the_longest_delay_are_all_at_hand():
         rate = 0.4 if tick % 30 < 15 else -0.4
         state = drum.step(tick, WinchCommand(tick + 1, 0.0, rate))
         watch.add(0.0, rate, state.encoder_payout)
-        errors.append(watch.error())
+        errors.append(drum_error(watch))
     assert np.max(np.abs(errors)) < 6e-3
 
 
@@ -318,7 +315,7 @@ def test_a_drum_whose_power_is_limited_is_predicted_under_the_tension_that_was_t
         watch.take({"winch.power_limit": 50e3})
         for tick in range(200):
             watch.add(0.0, 0.6, 0.25 * DT * tick, tension=told)
-        ordered = watch.ordered()
+        ordered = drum_ordered(watch)
         assert (ordered.share == pytest.approx(1.0, abs=0.01)) is is_predicted
 
 
@@ -349,12 +346,12 @@ def test_a_drum_whose_power_is_limited_is_predicted_under_the_tension_that_was_t
 )
 def test_what_is_said_of_an_encoder_begins_at_these_ratios(share, left, said):
     """Wrong by three fifths in less or more, by a tenth no more true; beyond the rest of 0.15 nothing is said."""
-    one = Ordered(share, left, 0.0)
+    one, reflex = Ordered(share, left, 0.0), EncoderReflex(DT)
     named = {
-        "reversed": one.is_reversed(was=False),
-        "sudden": one.is_sudden(was=False),
-        "right": one.is_right_way,
-        "true": one.is_true,
+        "reversed": reads(reflex, one, "reversed", False),
+        "sudden": reads(reflex, one, "suddenly", False),
+        "right": reads(reflex, one, "the_right_way"),
+        "true": reads(reflex, one, "true"),
     }
     assert {name for name, is_so in named.items() if is_so} == set(said.split())
 
@@ -375,13 +372,15 @@ def test_what_is_said_of_an_encoder_begins_at_these_ratios(share, left, said):
 )
 @pytest.mark.parametrize("left", [0.0, 0.9])
 def test_what_was_said_of_an_encoder_ends_later_whatever_is_left(share, left, is_reversed, is_sudden):
-    one = Ordered(share, left, 0.0, is_limited=True)
-    assert one.is_reversed(was=True) is is_reversed
-    assert one.is_sudden(was=True) is is_sudden
+    one, reflex = Ordered(share, left, 0.0, is_limited=True), EncoderReflex(DT)
+    assert reads(reflex, one, "reversed", True) is is_reversed
+    assert reads(reflex, one, "suddenly", True) is is_sudden
 
 
 # the reflex
 
+BEGINNING, LONGEST_ASIDE, LOOKS = (CONSTANTS[name] for name in ("beginning", "longest_aside", "looks"))
+NOTHING, SET_ASIDE, USE_AGAIN = 0, ReflexNews.ENCODER_REFUTED, ReflexNews.ENCODER_TRUSTED
 TRUE, HALF, BACK = Ordered(1.0, 0.02, 3.0), Ordered(0.5, 0.02, 3.0), Ordered(-1.0, 0.02, 3.0)
 LOOK = 2
 """Ticks from one look to the next: ten looks a second."""
@@ -392,10 +391,10 @@ def acts(shown, *, is_aside=False, reflex=None, start=0):
     reflex, found = reflex or EncoderReflex(DT), []
     for place, ordered in enumerate(shown):
         for tick in range(start + place * LOOK, start + (place + 1) * LOOK):
-            act = reflex.look(tick, ordered, is_aside=is_aside)
-            if act is not Act.NOTHING:
+            act = look_at_encoder(reflex, tick, ordered, is_aside=is_aside)
+            if act:
                 found.append((place, act))
-                is_aside = act is Act.SET_ASIDE
+                is_aside = act == SET_ASIDE
     return found, reflex
 
 
@@ -406,21 +405,21 @@ def seconds(time):
 def test_before_the_first_look_nothing_is_unresolved():
     reflex = EncoderReflex(DT)
     assert (reflex.is_unresolved, reflex.inhibition) == (False, None)
-    assert reflex.look(0, None, is_aside=False) is Act.NOTHING
+    assert look_at_encoder(reflex, 0, None, is_aside=False) == NOTHING
     assert not reflex.is_unresolved
 
 
 def test_an_encoder_that_was_wrong_from_the_start_is_set_aside_at_once_and_nothing_can_be_done():
     """Winch or encoder: which of them is turned over nobody knows."""
     found, reflex = acts([BACK] * 3)
-    assert found == [(0, Act.SET_ASIDE)]
+    assert found == [(0, SET_ASIDE)]
     assert reflex.is_unresolved
     assert reflex.inhibition.name == "DRUM_OR_ENCODER: unresolved reversal"
 
 
 def test_one_that_turns_over_later_is_set_aside_after_so_many_looks_and_the_loop_goes_on():
     found, reflex = acts([TRUE] * seconds(BEGINNING) + [BACK] * 5)
-    assert found == [(seconds(BEGINNING) + LOOKS - 1, Act.SET_ASIDE)]
+    assert found == [(seconds(BEGINNING) + LOOKS - 1, SET_ASIDE)]
     assert not reflex.is_unresolved
     assert reflex.inhibition is None
 
@@ -433,7 +432,7 @@ def test_a_scale_is_sudden_only_where_the_winch_is_known():
     """A winch of half its gain from the start is the adviser's to find."""
     assert acts([HALF] * 300)[0] == []
     found, _ = acts([TRUE] * seconds(40.0) + [HALF] * 5)
-    assert [act for _, act in found] == [Act.SET_ASIDE]
+    assert [act for _, act in found] == [SET_ASIDE]
 
 
 def test_a_scale_is_not_sudden_while_a_limit_acts():
@@ -442,10 +441,10 @@ def test_a_scale_is_not_sudden_while_a_limit_acts():
     assert acts([TRUE] * seconds(40.0) + [half] * 50)[0] == []
     # the winch is known for 10 log(0.98 / 0.8) = 2 s more
     found, _ = acts([TRUE] * seconds(40.0) + [half] * seconds(1.0) + [HALF] * 5)
-    assert [act for _, act in found] == [Act.SET_ASIDE]
-    assert [act for _, act in acts([TRUE] * seconds(40.0) + [back] * 5)[0]] == [Act.SET_ASIDE]
+    assert [act for _, act in found] == [SET_ASIDE]
+    assert [act for _, act in acts([TRUE] * seconds(40.0) + [back] * 5)[0]] == [SET_ASIDE]
     # one that is set aside already is not used again for that
-    assert half.is_sudden(was=True)
+    assert reads(EncoderReflex(DT), half, "suddenly", True)
 
 
 def test_a_winch_that_has_not_done_what_it_was_ordered_for_long_is_not_known_any_more():
@@ -455,18 +454,18 @@ def test_a_winch_that_has_not_done_what_it_was_ordered_for_long_is_not_known_any
 
 
 def test_the_second_look_that_is_wrong_sets_an_encoder_aside():
-    assert acts([TRUE] * 20 + [BACK] * 5)[0] == [(21, Act.SET_ASIDE)]
+    assert acts([TRUE] * 20 + [BACK] * 5)[0] == [(21, SET_ASIDE)]
 
 
 def test_one_that_goes_right_again_is_used_again():
     found, reflex = acts([TRUE] * 200 + [BACK] * 10 + [TRUE] * 10)
-    assert [act for _, act in found] == [Act.SET_ASIDE, Act.USE_AGAIN]
+    assert [act for _, act in found] == [SET_ASIDE, USE_AGAIN]
     assert not reflex.is_unresolved
 
 
 def test_one_that_stays_aside_for_long_is_unresolved_until_an_operator_asks():
     found, reflex = acts([TRUE] * 200 + [BACK] * (seconds(LONGEST_ASIDE) + 5))
-    assert [act for _, act in found] == [Act.SET_ASIDE]
+    assert [act for _, act in found] == [SET_ASIDE]
     assert reflex.is_unresolved
     reflex.restart()
     assert not reflex.is_unresolved
@@ -479,8 +478,8 @@ def test_after_a_restart_time_and_looks_begin_anew():
     reflex.restart()
     acts([BACK] * aside, is_aside=True, reflex=reflex, start=2_000)
     assert not reflex.is_unresolved
-    reflex.look(4_000, BACK, is_aside=True)
-    reflex.look(4_001, BACK, is_aside=True)
+    look_at_encoder(reflex, 4_000, BACK, is_aside=True)
+    look_at_encoder(reflex, 4_001, BACK, is_aside=True)
     assert reflex.is_unresolved
     _, once = acts([TRUE] * 200 + [BACK])
     once.restart()
@@ -497,22 +496,22 @@ def test_a_rest_that_is_not_straight_is_no_reason():
 def test_the_time_in_which_the_winch_moves_counts_from_its_first_tick(moved, is_unresolved):
     """In the first 15 s an encoder may have been wrong from the start."""
     found, reflex = acts([None] * seconds(moved) + [BACK] * 3)
-    assert [act for _, act in found] == [Act.SET_ASIDE]
+    assert [act for _, act in found] == [SET_ASIDE]
     assert reflex.is_unresolved is is_unresolved
 
 
 def test_the_time_in_which_the_winch_moves_begins_anew_after_a_pause():
     _, reflex = acts([None] * seconds(BEGINNING + 1.0))
     found, reflex = acts([BACK] * 3, reflex=reflex, start=10_000)
-    assert [act for _, act in found] == [Act.SET_ASIDE]
+    assert [act for _, act in found] == [SET_ASIDE]
     assert reflex.is_unresolved
 
 
 def test_it_looks_ten_times_a_second_and_at_nothing_in_between():
     reflex = EncoderReflex(DT)
-    assert reflex.look(LOOK + 1, BACK, is_aside=False) is Act.NOTHING
-    assert reflex.look(2 * LOOK, BACK, is_aside=False) is Act.SET_ASIDE
-    assert EncoderReflex(0.25).look(1, BACK, is_aside=False) is Act.SET_ASIDE, "a tick that is longer"
+    assert look_at_encoder(reflex, LOOK + 1, BACK, is_aside=False) == NOTHING
+    assert look_at_encoder(reflex, 2 * LOOK, BACK, is_aside=False) == SET_ASIDE
+    assert look_at_encoder(EncoderReflex(0.25), 1, BACK, is_aside=False) == SET_ASIDE, "a tick that is longer"
 
 
 @pytest.mark.parametrize(

@@ -112,3 +112,18 @@ def test_a_reading_between_two_ticks_is_compared_with_the_state_at_its_own_time(
     row = row + offset * change + 0.5 * offset * (offset - 1.0) * bend
     later = scipy.linalg.fractional_matrix_power(kalman.model.A, offset).real
     assert row @ [1.0, 2.0] == pytest.approx(float(kalman.measurements["position"].row @ later @ [1.0, 2.0]), abs=1e-3)
+
+
+def test_an_estimator_that_is_reset_goes_on_as_a_new_one_and_works_on_the_same_memory():
+    used, new, random = make(), make(), np.random.default_rng(4)
+    kalman = used.kalman
+    for tick in range(1, 30):
+        used.step(tick, 0.0, [Measurement("position", float(random.standard_normal()), tick - tick % 3)])
+    used.reset()
+    assert used.kalman is kalman
+    for tick in range(40, 60):
+        reading = [Measurement("position", float(random.standard_normal()), tick - tick % 3)]
+        np.testing.assert_array_equal(used.step(tick, 0.1, reading), new.step(tick, 0.1, reading))
+        np.testing.assert_equal(used.innovations, new.innovations)
+    np.testing.assert_array_equal(used.covariance, new.covariance)
+    assert used.refusals == new.refusals

@@ -109,7 +109,7 @@ def test_a_law_is_named_by_its_own_file_and_nowhere_else():
 SHELL = ("node", "envelope_node", "move_action", "interface", "model", "identification")
 """ROS messages and the estimator's own records are filled in there."""
 
-LIBRARY = ("self._solver.settings",)
+LIBRARY = ("self._fresh.settings",)
 """daqp takes its settings so."""
 
 

@@ -56,6 +56,8 @@ struct Memory {
     Place place;
     LoadWatchState load;
     Given given;
+    Active active;
+    ReflexState reflex;  // nothing is found by it here
     Controlled controlled;
     double first_count;         // read before the payout is known [m]; NaN: none
     int number, cause, latched; // of the tick; of the envelope; for which it has taken over, 0: it has not
@@ -76,10 +78,10 @@ Acting acting(Memory &m) {
 
 Control controlled(Memory &m) {
     Work &work = m.work;
-    return {&m.given, work.delivered, &IMAGE.sense, &m.filter, &IMAGE.look, &m.sense, &m.filter_state, &m.look,
+    return {&m.given, &m.active, work.delivered, &IMAGE.sense, &m.filter, &IMAGE.look, &m.sense, &m.filter_state, &m.look,
             work.found, work.observed, work.readings, work.said, work.by_measurement, work.depths, &m.tick,
             &IMAGE.proofs, &m.proofs, &work.proofs, &IMAGE.winch_watch, &m.winch_watch, m.drum_rows, work.drum, m.minute,
-            &m.controlled, supervising(m), acting(m)};
+            nullptr, &m.reflex, &m.controlled, supervising(m), acting(m)};
 }
 
 // The process noise of the filter in the sea that is seen.
@@ -185,16 +187,16 @@ void change_mode(Memory &m, int before, int mode) {
 void take_in(Memory &m, const HeaveReading *readings, int count, const HeaveWinch &winch) {
     for (int i = 0; i < count; i++) {
         const HeaveReading &one = readings[i];
-        m.work.delivered[i] = {one.sensor, one.time, one.value, one.rate, one.roll, one.pitch, one.status, one.sigma, one.rate_sigma};
+        m.work.delivered[i] = {one.sensor, one.time, one.value, one.rate, one.roll, one.pitch, one.status, 0.0, NOT_KNOWN, one.sigma,
+                               one.rate_sigma};
     }
     Given &given = m.given;
     given.number = m.number;
     given.readings = count;
     given.has_winch = winch.is_new;
-    given.has_begun = begin_at_count(m, winch);
-    given.stated_payout = m.has_begun ? NOT_KNOWN : m.first_count;
+    m.active.has_begun = begin_at_count(m, winch);
+    m.active.stated_payout = m.has_begun ? NOT_KNOWN : m.first_count;
     given.cause = m.latched;
-    given.at_end = given.is_limited = given.at_limit = 0.0;
     if (!winch.is_new) return;
     given.winch_time = winch.time;
     given.encoder = winch.payout;
@@ -202,9 +204,7 @@ void take_in(Memory &m, const HeaveReading *readings, int count, const HeaveWinc
     given.brake = winch.brake;
     given.fault = winch.fault;
     given.command = winch.sequence;
-    given.at_end = winch.limits_hit & IMAGE.payout_limit;
-    given.is_limited = winch.limits_hit != 0;
-    given.at_limit = winch.limits_hit & ~IMAGE.payout_limit;
+    given.limits_hit = winch.limits_hit;
 }
 
 // Does what follows from what was decided.
@@ -266,11 +266,7 @@ void begin(Memory &m) {
     restart_law(m.law);
     m.readings.target = m.readings.reference = m.first_count = NOT_KNOWN;
     m.readings.kind = STAND;
-    m.given.static_tension = IMAGE.static_tension;
-    m.given.settled_swing = IMAGE.settled_swing;
-    m.given.share = IMAGE.share;
-    m.given.tolerated_delay = IMAGE.largest_delay;
-    m.given.identifies_winch = IMAGE.identifies_winch;
+    m.active = IMAGE.active;
 }
 
 }  // namespace

@@ -58,7 +58,9 @@ void make_order(const Acting &on) {
     const MeanMotion &motion = *on.motion;
     done.moved = advance_motion(on.A, on.B, on.design->states, on.command->mean, is_braked, *on.motion);
     const double mean = motion.mean.payout + motion.left_over.payout + motion.carried.payout;
-    const double set_point = done.set_point = std::isnan(seen.stated_payout) ? mean : seen.stated_payout;
+    const bool is_known = std::isnan(seen.stated_payout);
+    const double set_point = done.set_point = is_known ? mean : seen.stated_payout;
+    done.depth_set_point = is_known ? motion.mean.payout + motion.left_over.payout : seen.stated_payout;
     if (on.winch->is_first_order) {
         done.own_payout = sent;
         done.own_rate = 0.0;

@@ -90,21 +90,13 @@ void heave_core_kpi(const heave::KpiDesign *design, const heave::KpiState *state
     heave::summarise(*design, *state, rows, *window);
 }
 
-// The drum watch: a tick, a drum at rest, the error of its prediction, what was ordered of the assumed or the nominal drum.
+// The drum watch: a tick, a drum at rest.
 void heave_core_drum_add(const heave::DrumWatchDesign *design, heave::DrumWatchState *state, heave::DrumRow *rows, double *work, const heave::DrumRow *row) {
     heave::add(*design, *state, {rows, work}, *row);
 }
 
 void heave_core_drum_reset(const heave::DrumWatchDesign *design, heave::DrumWatchState *state, heave::DrumRow *rows, double *work, double payout) {
     heave::reset_drum(*design, *state, {rows, work}, payout);
-}
-
-double heave_core_drum_error(const heave::DrumWatchDesign *design, heave::DrumWatchState *state, heave::DrumRow *rows, double *work) {
-    return heave::drum_error(*design, *state, {rows, work});
-}
-
-void heave_core_drum_ordered(const heave::DrumWatchDesign *design, heave::DrumWatchState *state, heave::DrumRow *rows, double *work, int of_nominal, heave::Ordered *ordered) {
-    *ordered = heave::drum_ordered(*design, *state, {rows, work}, of_nominal ? design->nominal : design->assumed);
 }
 
 // Who is silent.

@@ -5,6 +5,13 @@
 
 namespace heave {
 
+// Inputs of the governor: command [m/s], of a first-order winch a payout [m]; the drum when it takes effect [m], [m/s]; the
+// tension expected [N]; speeds that a fade-out may have, NaN: any [m/s]; set-points that the envelope lets pass [m/s], of a
+// first-order winch about the drum [m].
+struct Wanted {
+    double command, payout, rate, tension, least, most, lowest, highest;
+};
+
 // governor.cpp: what the winch can do
 double speed_under(const ActiveWinch &winch, double tension);
 double gain_at(const ActiveWinch &winch, double speed);
@@ -27,6 +34,11 @@ void pose_problem(const Commanded &on, Problem &problem, Command &command);
 int ask_command(const Commanded &on, const Law &law, const Problem &problem, LawState &law_state, CommandState &state,
                 Command &command);
 void make_command(const Commanded &on, const Problem &problem, CommandState &state, Command &command);
+
+// A rate command in two parts: what follows the boom tip, and what corrects the tension [m/s].
+struct TensionRate {
+    double tip, correction;
+};
 
 // tension.cpp: constant tension
 void note_tension(TensionRecord &record, double tension, double payout);

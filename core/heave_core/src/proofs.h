@@ -17,6 +17,15 @@ double spread_of_heave(const ProofDesign &design, const Expected &expected);
 bool reaches(const ProofDesign &design, const Expected &expected, const WitnessRecord &read);
 Fit fitted(const ProofDesign &design, const Expected &expected, int witness, const WitnessRecord &read, ProofWork &work);
 
+// What the proofs see of a tick, beside its readings.
+struct ProofSeen {
+    double latest;  // stamp up to which a reading can be [s]
+    double has_winch, winch_time, encoder, encoder_rate;  // the drive has reported: by its clock [s], count, its speed [m], [m/s]
+    double is_braked;  // the last order has the brake on, or there was none
+    double waits, hangs, has_mru;  // compensation is to begin; the unit hangs; the MRU is neither lost nor excluded
+    double runs, has_swung;  // the envelope has found that the braked drum runs, that compensation swings the load higher
+};
+
 // brake.cpp: the braked drum by the load cell, and the count by its stated speed; they return bits of ProofNews
 int watch_braked(const ProofDesign &design, const ProofSeen &seen, double tension, ProofState &state);
 int check_count(const ProofDesign &design, const ProofSeen &seen, ProofState &state);

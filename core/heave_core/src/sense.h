@@ -71,6 +71,13 @@ void add_tension(const Watches &watches, double tick_period, MeanTension &mean, 
 void filter_tension(const Watches &watches, MeanTension &mean, double tension);
 void watch_tip(const Watches &watches, double tick_period, SenseState &state, bool is_lost, bool is_excluded);
 
+// Inputs of the sensing half of a tick.
+struct LookAt {
+    double number, compensating, mean;  // of the tick; shares of the active command: what compensates, what moves the mean
+    double unit_stands, readings;       // 1: the unit stands on the seabed; number of the readings delivered
+    double has_winch, winch_time, encoder, is_driven;  // 1: it has reported; stamp [s], count [m]; 1: it follows its commands
+};
+
 // sense.cpp: a tick
 struct Core {
     const SenseDesign &design;

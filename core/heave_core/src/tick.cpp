@@ -1,6 +1,6 @@
-// A tick of the controller, from the readings to the order that leaves: sense (sense.cpp), proofs, winch watch, supervision
-// (supervise.cpp), command, envelope, and the alarms of the load (`leave` in act.cpp), in this order. `control`, at the end,
-// is the entry. Where Python has something to do it comes back, and is called again from there.
+// A tick of the controller, from the readings to the order that leaves: encoder reflex (encoder_reflex.cpp), sense (sense.cpp),
+// proofs, winch watch, supervision (supervise.cpp), command, envelope, and the alarms of the load (`leave` in act.cpp), in this
+// order. `control`, at the end, is the entry. Where Python has something to do it comes back, and is called again from there.
 #include "tick.h"
 
 namespace heave {
@@ -8,6 +8,9 @@ namespace heave {
 namespace {
 
 bool has(double bits, int sensor) { return int(bits) >> sensor & 1; }
+
+// Limits of the winch that act, as it reports in this tick.
+int limits_of(const Control &on) { return on.given->has_winch != 0.0 ? int(on.given->limits_hit) : 0; }
 
 // Whether the motion reference unit is lost, or excluded: no other sensor measures what it does.
 bool is_mru_lost(const Control &on) {
@@ -24,7 +27,7 @@ void sense(const Control &on) {
     at.unit_stands = !shows_hanging(*on.supervising.landing_state);
     at.readings = given.readings;
     at.winch_time = NOT_KNOWN;
-    if (given.has_winch != 0.0 && given.has_begun != 0.0) {
+    if (given.has_winch != 0.0 && on.active->has_begun) {
         at.has_winch = 1.0;
         at.winch_time = given.winch_time;
         at.encoder = given.encoder;
@@ -59,8 +62,8 @@ void watch_orders(const Control &on) {
     WinchSeen seen{};
     seen.has_state = given.has_winch;
     seen.taken = given.command;
-    seen.at_end = given.at_end;
-    seen.is_limited = given.is_limited;
+    seen.at_end = limits_of(on) & on.active->payout_limit;
+    seen.is_limited = limits_of(on) != 0;
     seen.given = on.done->sequence > 0.0 ? on.done->sequence : NOT_KNOWN;
     seen.payout = last.own_payout;
     seen.rate = last.own_rate;
@@ -68,6 +71,20 @@ void watch_orders(const Control &on) {
     seen.reading = on.tick->encoder_payout;
     seen.tension = on.tick->tension;
     watch_winch(*on.winch_watch, *on.winch_state, {on.drum_rows, on.drum_work}, on.minute, seen);
+}
+
+// What the adviser is told of the order of the tick before, and of the winch under it.
+void note_order(const Control &on) {
+    const Given &given = *on.given;
+    const ActDone &last = *on.acting.done;
+    const bool has_winch = given.has_winch != 0.0, rests = has_winch && (given.brake != 0.0 || given.fault != 0.0);
+    Noted &noted = on.done->noted;
+    noted.order_payout = last.own_payout;
+    noted.order_rate = last.own_rate;
+    noted.sequence = on.done->sequence;
+    noted.brake = on.done->sequence == 0.0 || last.brake != 0.0 || rests;
+    noted.taken = has_winch ? given.command : NOT_KNOWN;
+    noted.limits_hit = limits_of(on);
 }
 
 // Speed of the winch, as commanded; infinite while the envelope brings it to rest [m/s].
@@ -79,20 +96,20 @@ double commanded_speed(const Control &on) {
 }
 
 void decide(const Control &on) {
-    const Given &given = *on.given;
+    const Active &active = *on.active;
     const LinkState &link = on.winch_state->link;
     const MeanPayout &mean = on.acting.motion->mean;
     SupervisionSeen &seen = *on.supervising.seen;
-    seen.fault = given.fault;
+    seen.fault = on.given->fault;
     seen.speed = commanded_speed(on);
     seen.mean_payout = mean.payout;
     seen.mean_acceleration = mean.move.slope;
-    seen.settled_swing = given.settled_swing;
-    seen.share = given.share;
-    seen.drum_error = given.identifies_winch != 0.0 ? on.winch_state->error : 0.0;
-    seen.is_certain = link.is_cut || link.overdue > given.tolerated_delay || given.is_reversed != 0.0;
-    seen.is_reversed = given.is_reversed;
-    seen.envelope = given.cause != 0.0;
+    seen.settled_swing = active.settled_swing;
+    seen.share = active.share;
+    seen.drum_error = active.identifies_winch ? on.winch_state->error : 0.0;
+    seen.is_reversed = on.reflex_state->is_unresolved;
+    seen.is_certain = link.is_cut || link.overdue > active.tolerated_delay || on.reflex_state->is_unresolved;
+    seen.envelope = on.given->cause != 0.0;
     seen.is_proved = !is_gate_closed(*on.proof_state);
     seen.cell_jumped = (int(on.acting.order->bits) & LOAD_IS_OFF) != 0;
     supervise(on.supervising, on.depths);
@@ -125,7 +142,7 @@ Way way_of(const Control &on) {
 }
 
 void see_what_to_do(const Control &on) {
-    const Given &given = *on.given;
+    const Active &active = *on.active;
     const Supervised &decided = *on.supervising.done;
     const Tick &tick = *on.tick;
     ActSeen &seen = *on.acting.seen;
@@ -144,9 +161,10 @@ void see_what_to_do(const Control &on) {
     seen.mru_rate = tick.mru_rate;
     seen.tension = tick.tension;
     seen.filtered_tension = tick.filtered_tension;
-    seen.static_tension = given.static_tension;
-    seen.at_limit = given.at_limit;
-    seen.stated_payout = given.stated_payout;
+    seen.static_tension = active.static_tension;
+    // every limit but that of the payout, also of torque and pressure, acts as one of speed or acceleration
+    seen.at_limit = (limits_of(on) & ~active.payout_limit) != 0;
+    seen.stated_payout = active.stated_payout;
     seen.scale = on.sense_state->encoder.scale;
     seen.offset = on.sense_state->encoder.offset;
 }
@@ -172,7 +190,7 @@ void read_raw(const Control &on) {
         // times of ticks are rounded otherwise than stamps
         readings.count_age = 1e-6 * std::nearbyint(1e6 * (given.number * on.sense->tick_period - given.winch_time));
         if (given.brake != 0.0 || given.fault != 0.0) readings.drive = DRIVE_RESTS;
-        else if (given.is_limited != 0.0) readings.drive = DRIVE_LIMITED;
+        else if (given.limits_hit != 0.0) readings.drive = DRIVE_LIMITED;
     }
     const int mode = on.supervising.mode->mode;
     const bool is_damped_blind = mode == IN_FADE_OUT && on.supervising.situation->is_damped_blind != 0.0;
@@ -191,14 +209,16 @@ void begin_to_act(const Control &on) {
 // What the adviser is told of the tick.
 void note(const Control &on) {
     const Tick &tick = *on.tick;
-    Controlled &done = *on.done;
-    done.compensating = tick.compensating;
-    done.as_read = std::isnan(tick.encoder_payout) ? NOT_KNOWN : on.sense_state->encoder.as_read;
-    done.tension = tick.tension;
-    done.tip = tick.motions.tip;
-    done.tip_rate = tick.motions.tip_rate;
-    done.unit_rate = on.filter_state->x[on.look->unit_rate];
-    done.missing_push = tick.missing_push;
+    Noted &noted = on.done->noted;
+    noted.command = tick.compensating;
+    noted.encoder = std::isnan(tick.encoder_payout) ? NOT_KNOWN : on.sense_state->encoder.as_read;
+    noted.tension = tick.tension;
+    noted.authority = on.supervising.done->authority;
+    noted.compensates = on.supervising.done->mode == IN_COMPENSATING;
+    noted.tip_heave = tick.motions.tip;
+    noted.tip_rate = tick.motions.tip_rate;
+    noted.unit_rate = on.filter_state->x[on.look->unit_rate];
+    noted.missing_push = tick.missing_push;
 }
 
 // The order leaves; what was acknowledged is.
@@ -217,6 +237,10 @@ int control(const Control &on, int from) {
     const int stops = int(on.given->stops);
     Controlled &done = *on.done;
     switch (from) {
+        case BEGIN:
+            done.encoder_news = watch_encoder(on);
+            if (done.encoder_news != 0.0) return SENSE;
+            [[fallthrough]];
         case SENSE:
             sense(on);
             done.news = on.tick->news;
@@ -226,6 +250,7 @@ int control(const Control &on, int from) {
         case DECIDE:
             done.proof_news = prove(on);
             watch_orders(on);
+            note_order(on);
             decide(on);
             if ((stops & BEFORE_ACT) || is_news(on)) return POSE;
             [[fallthrough]];

@@ -315,7 +315,7 @@ def designs_in(what: object, seen: set[int]) -> Iterator[bytes]:
             yield from designs_in(one, seen)
 
 
-@pytest.mark.parametrize("name", [one for one in (*REFLEXES, *CHECKS) if one != "encoder reflex"])
+@pytest.mark.parametrize("name", [*REFLEXES, *CHECKS])
 def test_what_is_switched_off_in_the_compiled_core_reaches_its_design_and_is_there_again(name):
     nominal = load_scenario("b2_calm_300").parameters["winch_controller"]
 
@@ -330,7 +330,7 @@ def test_what_is_switched_off_in_the_compiled_core_reaches_its_design_and_is_the
     assert designs() == whole
 
 
-@pytest.mark.parametrize("name", [*LEARNING, "encoder reflex"])
+@pytest.mark.parametrize("name", LEARNING)
 def test_what_is_switched_off_in_python_is_another_and_is_there_again(name):
     whole = [getattr(owner, part) for owner, part, _ in ALL[name]]
     with switched_off(name):

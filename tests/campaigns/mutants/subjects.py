@@ -47,7 +47,7 @@ SUBJECTS: dict[str, Subject] = {
     "table of modes": _controller("core.supervision.modes", "test_mode_guards", "test_mode_machine", "test_modes"),
     "timeout cause": _controller("core.supervision.late_commands", "test_timeout_cause"),
     "drum watch": _controller("core.supervision.watch.drum_watch", "test_drum_watch"),
-    "encoder reflex": _controller("core.supervision.watch.encoder_reflex", "test_drum_watch"),
+    "encoder reflex": _compiled("encoder_reflex.cpp", "test_drum_watch", "test_encoder_reflex"),
     "load watch": _controller("core.supervision.watch.load_watch", "test_load_watch"),
     "winch watch": _controller("core.supervision.watch.winch_watch", "test_winch_watch"),
     "landing": _controller("core.supervision.landing", "test_landing"),

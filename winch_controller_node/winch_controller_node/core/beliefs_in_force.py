@@ -95,6 +95,7 @@ class BeliefsInForce:
         self.restated: tuple[tuple[str, float], ...] = ()
         self.beliefs = NONE  # the active ones
         self._pending: Beliefs | None = None
+        self._followed = -1  # tick before which what was due was activated last
         self.refused = 0  # answers that came too late, so far
         self.trust = AdviserTrust(in_force.design.tick_period)  # whether the answers of the adviser are used
         self._plain: ControllerDesign | None = self._in_force.design
@@ -142,9 +143,11 @@ class BeliefsInForce:
             self._pending = Beliefs(next_tick - self._latency, DROPPED, encoder=encoder, design=design, adopted=adopted)
 
     def follow(self, tick: int) -> list[Alarm]:
-        """Activate before a `tick` what is due; return what is new."""
+        """Activate before a `tick` what is due; return what is new, once."""
         self.corrected, self.has_moved_tip = set(), False
-        self._hold_against_nominal(tick)
+        if tick != self._followed:
+            self._hold_against_nominal(tick)
+        self._followed = tick
         pending, news = self._pending, self.trust.news()
         if pending is None or pending.asked + self._latency > tick:
             return news

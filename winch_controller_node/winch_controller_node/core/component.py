@@ -1,17 +1,17 @@
 """The winch controller as a component: measurements of a tick in, one winch order out. No ROS, no truth, no clock.
 
 A tick is one call of the core (`heave_core`, tick.cpp), which waits where something has happened: another mode, an
-alarm, a plan. The state is split by linearity into the mean payout's own motion (known exactly, it is our command) and
-the rest, which is what the estimator and the laws deal with; the two are superposed in the command.
+alarm, a plan. What takes longer than a tick may is done between two of them (`settle`). The state is split by linearity
+into the mean payout's own motion (known exactly, it is our command) and the rest, which is what the estimator and the
+laws deal with; the two are superposed in the command.
 """
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Mapping
 from functools import cached_property, partial
 
-from heave_core.law_table import CONTROLLED, GIVEN, Stage, Stop
+from heave_core.law_table import CONTROLLED, NOTED, Stage, Stop
 from heave_node.interface.alarm import Alarm
 from heave_node.interface.preview import HeavePreview
 
@@ -28,18 +28,14 @@ from winch_controller_node.interface.readings import (
     WinchOrder,
 )
 
-NO_WINCH = (0.0, math.nan, 0.0, 0.0, False)
-"""What GIVEN has of a winch that has not reported."""
-
 AFTER_SENSE, BEFORE_ACT, BEFORE_ANSWER = (int(stop) for stop in Stop)
 """Where a tick waits in any case."""
 
-NEWS, OBSERVED, PROOF_NEWS, ASKS, NOTED, ACTED = (
-    [row.name for row in CONTROLLED.rows].index(name)
-    for name in ("news", "observed", "proof_news", "asks", "compensating", "acted")
+NEWS, OBSERVED, PROOF_NEWS, ASKS, LOGGED = (
+    [row.name for row in CONTROLLED.rows].index(name) for name in ("news", "observed", "proof_news", "asks", "noted")
 )
-STATIC_TENSION = [row.name for row in GIVEN.rows].index("static_tension")
-"""Places in what a tick gives and is given."""
+ACTED = LOGGED + len(NOTED.rows)
+"""Places in what a tick gives."""
 
 
 class WinchController(ControllerEvents):
@@ -49,6 +45,7 @@ class WinchController(ControllerEvents):
     def _goes_on(self) -> Mapping[int, Callable[[], int]]:
         """What is done where the core's tick waits, by stage; each returns the stage at which it goes on."""
         return {
+            Stage.SENSE: self._follow_encoder,
             Stage.DECIDE: self._note_sensed,
             Stage.POSE: self._decide,
             Stage.ANSWER: self._see,
@@ -66,65 +63,57 @@ class WinchController(ControllerEvents):
 
     def step(self, tick: int, measurements: Measurements) -> Outputs:
         """Do tick k: take the `measurements` of t_k, return the order for [t_k, t_{k+1}] and what is known."""
-        self._alarms = []
         if kept := self._winch.take_kept():
             self._alarms.append(ALARMS.alarm("TICKS_LEFT_OUT", count=kept, time=kept * self._dt))
         self._run_programme(tick * self._dt)
         self._follow_operator()
+        self._next_tick = tick + 1
         self._follow_beliefs(tick)
-        self._watch_encoder(tick)
         self.envelope.see(measurements, self.mean.request)
         stage, goes_on = self._begin(tick, measurements), self._goes_on
         while stage:
             stage = self._control.go_on(goes_on[stage]())
-        given, done = self._given, self._control.done.tolist()
-        payout, rate, brake, mean_payout, own_payout, own_rate, _, moved, load_news, _ = done[ACTED:]
+        done = self._control.done.tolist()
+        payout, rate, brake, mean_payout, own_payout, own_rate, _, depth_set_point, moved, load_news, _ = done[ACTED:]
         sequence, authority, news, observed, *_ = done
         self._given = WinchOrder(int(sequence), own_payout, own_rate, bool(brake))
         mode = self._end(int(observed), int(news), int(moved), int(load_news))
-        noted = authority, mode is Mode.COMPENSATING, *done[NOTED:ACTED]
-        self._estimation.note_for_adviser(given, measurements.winch, noted)
-        alarms = self._alarms
+        self._estimation.log.add(tick, done[LOGGED:ACTED], self._estimation.observed)
+        alarms, self._alarms = self._alarms, []
         if alarms:
             does = self._does(mode)
             alarms = [alarm.reported(does) for alarm in alarms]
         order = WinchOrder(self._given.sequence, payout, rate, self._given.brake, mean_payout)
-        kpi = self._kpi.figures() if tick % max(1, round(1.0 / self._dt)) == 0 else None
         return Outputs(
             order,
             mode.value,
             authority,
-            self._estimation.depth_set_point,
+            depth_set_point,
             partial(self._report, tick, mode, order),
-            kpi,
+            self.figures if tick % self._second == 0 else None,
             tuple(alarms),
             self._take_requests(),
             self._batch(),
         )
 
-    def _begin(self, tick: int, measurements: Measurements, stops: int = 0) -> int:
-        """Begin the core's tick with its `measurements`, and bits of `stops` in any case; return where it waits."""
-        estimation, winch, command = self._estimation, self._winch, self._command
-        self._measurements, self._situated, self._decided = measurements, None, None
+    def _begin(self, tick: int, measurements: Measurements, stage: int = Stage.BEGIN, stops: int = 0) -> int:
+        """Begin the core's tick at a `stage` with its `measurements`, and bits of `stops`; return where it waits."""
+        estimation, command = self._estimation, self._command
+        self._measurements, self._situated, self._decided, self._preview = measurements, None, None, None
         readings = estimation.deliver(tick, measurements, command.shares)
         command.begin()
-        report = measurements.winch
-        taken = winch.see(report, self.parameters)
-        of_winch = NO_WINCH if report is None else (1.0, *report[:4])
+        self._tell()
         stops |= AFTER_SENSE if estimation.waits else 0
         stops |= BEFORE_ACT if self.preview.is_wanted(measurements.preview) else 0
         stops |= BEFORE_ANSWER if command.is_asked else 0
-        self._preview = None
-        return self._control.begin(
-            *(tick, readings, *of_winch, winch.fault, *taken, estimation.uses_count, estimation.stated_payout),
-            *(self._static_tension(self.mean.point.payout), command.settled_swing, self._share, winch.tolerated_delay),
-            *(self.parameters.identifies_winch, self._encoder.is_unresolved, self.envelope.cause, stops),
-        )
+        given = tick, readings, stops, self.envelope.cause
+        return self._control.begin(stage, measurements.winch, *given)
 
     def _note_sensed(self) -> int:
         """Note what has been sensed; return the stage at which the tick goes on."""
         done = self._control.done
         self._estimation.note(int(done[OBSERVED]), int(done[NEWS]))
+        self._encoder.take_evidence(self._estimation.by_count)
         return Stage.DECIDE
 
     def _decide(self) -> int:
@@ -144,7 +133,7 @@ class WinchController(ControllerEvents):
             self._act_on(decision.landing, loop)
             self._estimation.refresh()
             self.envelope.see(self._measurements, self.mean.request)
-            self._control.given[STATIC_TENSION] = self._static_tension(self.mean.point.payout)
+            self._tell()
         self._decided = decision
         self._alarms += self._swing_left(decision.mode.mode, decision.mode.before)
         self._preview = self._watch_preview()
@@ -182,7 +171,7 @@ class WinchController(ControllerEvents):
             mode = self._decided.mode.mode
         self._estimation.motion.advanced(moved)
         if load_news:
-            tension, at_rest = self._estimation.tick.tension, float(self._control.given[STATIC_TENSION])
+            tension, at_rest = self._estimation.tick.tension, float(self._control.active["static_tension"][0])
             self._alarms += self._load.alarms(load_news, tension, at_rest, self.mean.point.rate, self.mode)
         self._alarms += self.envelope.news()
         return mode
@@ -194,10 +183,12 @@ class WinchController(ControllerEvents):
         return self._after_stop.alarms(self._estimation.tick, self.design.cable, hangs=self._supervisor.landing.hangs)
 
     def _report(self, number: int, mode: Mode, order: WinchOrder) -> Report:
-        """Return the report of the last tick, made before the next one.
+        """Return the report of the last tick, made once and before the next one.
 
         Raises RuntimeError where that has been done.
         """
+        if self._reported is not None and self._reported[0] == number:
+            return self._reported[1]
         if number != self._next_tick - 1:
             raise RuntimeError(f"the report of tick {number} is to be read before the next tick")
         loop, decision = self._estimation.tick, self._decided or self._supervisor.decided_in(mode)
@@ -211,7 +202,7 @@ class WinchController(ControllerEvents):
         reason = self.modes.reason if self.mode is decision.mode.mode else decision.mode.reason
         command, law, estimator = self._command.last, self._in_force.law, self.estimator
         innovation, innovation_sigma, nis, _ = loop.said.T.tolist()
-        return Report(
+        report = Report(
             mode=decision.mode.mode.value,
             law=law.name,
             reason=reason,
@@ -236,6 +227,8 @@ class WinchController(ControllerEvents):
             sensors=sensors,
             is_inhibited=decision.is_inhibited,
         )
+        self._reported = number, report
+        return report
 
     def _does(self, mode: Mode) -> str:
         """Return what the loop does in a `mode`, in words."""
@@ -250,7 +243,7 @@ class WinchController(ControllerEvents):
         What was measured meanwhile is given to the next `step`, which reports how many ticks were left out. Returns
         what an operator has requested since the tick before, in words.
         """
-        self._begin(tick, Measurements(), AFTER_SENSE)
+        self._begin(tick, Measurements(), Stage.SENSE, AFTER_SENSE)
         self._note_sensed()
         self._estimation.advance_mean(self._command.shares.mean, is_braked=self.modes.brake)
         self._winch.keep(self._given)
@@ -263,8 +256,8 @@ class WinchController(ControllerEvents):
         requests, self._requests = tuple(self._requests), []
         return requests
 
-    def _batch(self) -> Observations | None:
-        """Return the batch for the adviser that the tick completes."""
+    def _batch(self) -> Callable[[], Observations] | None:
+        """Return what makes the batch for the adviser that the tick completes; None: it completes none."""
         log = self._estimation.log
         if not log.is_complete:
             return None
@@ -289,10 +282,3 @@ class WinchController(ControllerEvents):
             )
         self._previews = is_used
         return preview
-
-    def _static_tension(self, payout: float) -> float:
-        """Return the tension at rest about a mean `payout` [m], found again where that has moved [N]."""
-        known = self.design, payout
-        if known != self._weighed[0]:
-            self._weighed = known, self.design.static_tension_at(self.parameters.length + payout)
-        return self._weighed[1]

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from heave_core.law_table import CONTROLLED, GIVEN, Stage, Stop
+from heave_core.watch_table import ReflexNews
 from heave_node.interface.codes import REQUESTED
 
 from winch_controller_node.beliefs.beliefs import Beliefs
@@ -11,14 +13,15 @@ from winch_controller_node.core.operator_requests import OPERATED, OperatorReque
 from winch_controller_node.core.restarts import Event, restart
 from winch_controller_node.core.supervision.landing import LandingEvent
 from winch_controller_node.core.supervision.modes import BRAKED, Mode, ModeOutput
-from winch_controller_node.core.supervision.watch.encoder_reflex import Act
 from winch_controller_node.design.design import ControllerDesign, assumed_cable
 from winch_controller_node.interface.alarms import ALARMS
 from winch_controller_node.interface.requests import DESIGN, Request
 from winch_controller_node.node_parameters import WinchControllerParameters
 
-LOST_TIME = 1.0
-"""An encoder that is lost for so long is lost indeed [s]; one with play is still for a moment when the drum turns."""
+ENCODER_NEWS, STOPS = (
+    [row.name for row in kind.rows].index(name) for kind, name in ((CONTROLLED, "encoder_news"), (GIVEN, "stops"))
+)
+"""Places in what a tick gives and is given."""
 
 
 class ControllerEvents(OperatorRequests):
@@ -119,9 +122,14 @@ class ControllerEvents(OperatorRequests):
         """Take `beliefs` of the adviser, active LATENCY after they were asked for; return whether they came in time."""
         return self._beliefs.offer(beliefs, self._next_tick)
 
+    def settle(self) -> None:
+        """Do what is due before the next tick, beside the ticks: none of them waits for it then."""
+        self._run_programme(self._next_tick * self._dt)
+        self._follow_beliefs(self._next_tick)
+        self._in_force.law.prepare()
+
     def _follow_beliefs(self, tick: int) -> None:
-        """Activate what is due, and give it to law, guard and gates."""
-        self._next_tick = tick + 1
+        """Activate what is due before a `tick`, and give it to law, guard and gates."""
         before = self.design
         self._alarms += self._beliefs.follow(tick)
         if self.design is not before:
@@ -135,54 +143,31 @@ class ControllerEvents(OperatorRequests):
         if "encoder" in self._beliefs.corrected:
             restart(self, Event.ENCODER_CORRECTED)
 
-    def _watch_encoder(self, tick: int) -> None:
-        """Set a reversed encoder aside; one that was lost says where the drum is once it is back."""
-        observer, lasting = self.observer, round(LOST_TIME / self._dt)
-        is_lost = observer.gates["encoder"].is_lost
-        before, self._has_lost_encoder = self._has_lost_encoder, self._has_lost_encoder + 1 if is_lost else 0
-        if before >= lasting:
-            # where the drum is was not known: the depth sensor is not held against the estimate
-            restart(self, Event.ENCODER_LOST)
-            if not is_lost:
-                self._estimation.find_drum(tick - 1)
-        if tick * self._dt - observer.encoder.jumped_at < self._command.time_of_another_count:
-            restart(self, Event.COUNT_JUMPED)
-        excluded = observer.excluded
-        is_aside, is_frozen = excluded == "encoder", is_lost and observer.gates["encoder"].reason == "frozen"
-        self._separate(tick, is_frozen=is_frozen, is_aside=is_aside)
-        moves = self.mode in (Mode.COMPENSATING, Mode.FADE_OUT)
-        if not moves or not self.parameters.identifies_winch or (excluded and not is_aside):
-            return
-        ordered = self._winch.drum.ordered() if self._encoder.is_due(tick) else None
-        act = self._encoder.look(tick, ordered, is_aside=is_aside)
-        if not act.value:
-            return
-        if act is Act.USE_AGAIN:
-            observer.exclude("")
-        elif act is Act.SET_ASIDE and self._winch.drum.does_as_nominal(observer.encoder.scale):
-            self._beliefs.contradict("the drum does what a nominal winch was ordered", tick)
-            self._encoder.restart()
-        elif act is Act.SET_ASIDE and ordered is not None:
-            self._estimation.compare_count(tick - 1)
-            self._estimation.set_encoder_aside(ordered.payout, tick - 1)
-            self._supervisor.guard.allow_correction("encoder", (tick - 1) * self._dt)
-            self._alarms.append(self._encoder.alarm)
-
-    def _separate(self, tick: int, *, is_frozen: bool, is_aside: bool) -> None:
-        """Name drive or encoder before a `tick`, once a third sensor shows which.
-
-        `is_frozen`, `is_aside` : the count stands, or is set aside
-        """
+    def _follow_encoder(self) -> int:
+        """Do what the reflex about the encoder has found before the tick; return the stage at which that goes on."""
+        news, tick = int(self._control.done[ENCODER_NEWS]), self._next_tick - 1
         estimation, reflex = self._estimation, self._encoder
-        if not (is_frozen or is_aside):
+        if news & ReflexNews.ENCODER_FOUND:
+            estimation.find_drum(tick - 1)
+        if news & ReflexNews.COUNT_STEPPED:
+            restart(self, Event.COUNT_JUMPED)
+        if news & ReflexNews.COUNT_JUDGED and estimation.by_count is not None:
+            self._alarms.append(reflex.judge(estimation.by_count))
+        if news & (ReflexNews.COUNT_JUDGED | ReflexNews.COUNT_AGREES):
             estimation.drop_by_count()
-            reflex.agrees()
-        elif estimation.by_count is not None:
-            if named := reflex.separate(estimation.by_count):
-                self._alarms.append(named)
-                estimation.drop_by_count()
-        elif is_frozen and not reflex.is_separated and self.mode not in BRAKED:
+        if news & (ReflexNews.COUNT_DISPUTED | ReflexNews.ENCODER_REFUTED):
             estimation.compare_count(tick - 1)
+        if news & ReflexNews.BELIEFS_REFUTED:
+            self._beliefs.contradict("the drum does what a nominal winch was ordered", tick)
+            reflex.restart()
+        if news & ReflexNews.ENCODER_REFUTED:
+            estimation.set_encoder_aside(float(reflex.state["payout"][0]), tick - 1)
+            self._supervisor.guard.allow_correction("encoder", (tick - 1) * self._dt)
+            self._alarms.append(reflex.alarm)
+        estimation.bind()
+        if estimation.waits:
+            self._control.given[STOPS] = int(self._control.given[STOPS]) | Stop.AFTER_SENSE
+        return Stage.SENSE
 
     def _take_law(self) -> None:
         """Command and supervise with the active design and law; mode and mean payout stay."""

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import math
-
-from heave_core.law import ACTING, PROVING, SUPERVISING, WATCHING, Control
+from heave_core.law import ACTING, PROVING, SUPERVISING, WATCHING, Control, put
+from heave_core.law_table import GIVEN
 from heave_node.interface.alarm import Alarm
+from heave_node.interface.codes import WinchLimit
 from heave_node.interface.preview import HeavePreview
 
 from winch_controller_node.beliefs.beliefs import Beliefs
@@ -28,12 +28,15 @@ from winch_controller_node.core.supervision.watch.encoder_reflex import EncoderR
 from winch_controller_node.core.supervision.watch.load_watch import LoadWatch, rope_strength
 from winch_controller_node.core.supervision.watch.winch_watch import WinchWatch
 from winch_controller_node.design.design import ControllerDesign
-from winch_controller_node.interface.readings import Measurements, WinchOrder
+from winch_controller_node.interface.readings import Measurements, Report, WinchOrder
 from winch_controller_node.model.estimator import KalmanEstimator
 from winch_controller_node.motion.operator_speed import OperatorSpeed
 from winch_controller_node.motion.programme import Programme
 from winch_controller_node.motion.trajectory import MeanPayout
 from winch_controller_node.node_parameters import WinchControllerParameters
+
+FAULT = [row.name for row in GIVEN.rows].index("fault")
+"""Place of the fault that the winch has reported last in what a tick is given."""
 
 
 class ControllerParts:
@@ -56,7 +59,7 @@ class ControllerParts:
         seed: int = 0,
     ) -> None:
         del seed
-        self._dt = tick_period
+        self._dt, self._second = tick_period, max(1, round(1.0 / tick_period))  # ticks of a second
         self._in_force = DesignInForce(parameters, tick_period=tick_period)
         design, law = self._in_force.design, self._in_force.law
         self._control = Control()  # a tick in the core
@@ -75,17 +78,15 @@ class ControllerParts:
         self._operator = OperatorSpeed(parameters.operator, tick_period=tick_period)
         self._kpi = KpiWindow(parameters.kpi_window, tick_period=tick_period)
         self._command = LoopCommand(design, law, self._kpi, self._control)
-        self._weighed = (design, math.nan), math.nan
         self._beliefs = BeliefsInForce(self._in_force, self._estimation, self._winch)
         self._encoder = EncoderReflex(tick_period)
         self._after_stop = AfterStop(tick_period)
         self.proofs = Proofs(parameters, design.cable, tick_period)  # of raw readings, before the brake opens
         self._control.take(PROVING, **self.proofs.records)
-        self._control.take(WATCHING, **self._winch.records)
+        self._control.take(WATCHING, **self._winch.records, **self._encoder.records)
         self._control.take(SUPERVISING, **self._supervisor.records, **self._estimation.records)
         acting = {**self.envelope.records, **self._load.records, "motion": self._estimation.motion.record}
         self._control.take(ACTING, motions=self._estimation.records["tick"]["motions"], **acting)
-        self._has_lost_encoder = 0
         self._alarms: list[Alarm] = []
         self._requests: list[str] = []
         self.preview = PreviewWatch(law.preview, tick_period=tick_period)  # whether one is used
@@ -95,18 +96,23 @@ class ControllerParts:
         self._preview: HeavePreview | None = None  # to be used in it
         self._given = WinchOrder(0, 0.0, 0.0, True)  # order of the last tick, in the controller's own count
         self._situated: tuple[LoopTick, WinchSituation] | None = None
+        # design, beliefs and payout that the core goes by
+        self._told: tuple[ControllerDesign | None, Beliefs | None, float] = None, None, 0.0
+        put(self._control.active, {"payout_limit": WinchLimit.PAYOUT})
+        self._tell()
         self._decided: Decision | None = None
+        self._reported: tuple[int, Report] | None = None  # report that was made last, with its tick
 
     def _situation(self) -> tuple[LoopTick, WinchSituation] | None:
         """Return what the last tick and the winch in it are, as they were when this was first asked for; None: none."""
         if self._situated is None and self._next_tick > 0:
             winch, reason, seen = self._winch, self.envelope.reason, self._supervisor.records["seen"][0]
-            transport = winch.transport()
+            transport, fault = winch.transport(), int(self._control.given[FAULT])
             self._situated = (
                 self._estimation.tick,
                 WinchSituation(
-                    fault=winch.fault,
-                    fault_cause=winch.fault_cause(self._measurements.lateness),
+                    fault=fault,
+                    fault_cause=winch.fault_cause(fault, self._measurements.lateness),
                     envelope="" if reason is None else reason.brief,
                     mean_payout=float(seen["mean_payout"]),
                     share=float(seen["share"]),
@@ -118,10 +124,23 @@ class ControllerParts:
             )
         return self._situated
 
-    @property
-    def _share(self) -> float:
-        """Authority that is best with the winch as it is known."""
-        return self._beliefs.beliefs.authority if self.parameters.identifies_winch else 1.0
+    def _tell(self) -> None:
+        """Have the core go by the active design and beliefs, and by the weight at the mean payout."""
+        was_design, was_beliefs, was_payout = self._told
+        design, beliefs, payout = self._told = self.design, self._beliefs.beliefs, self.mean.point.payout
+        is_same = design is was_design and beliefs is was_beliefs
+        if is_same and payout == was_payout:
+            return
+        parameters, active = self.parameters, self._control.active
+        active["static_tension"] = design.static_tension_at(parameters.length + payout)
+        if is_same:
+            return
+        self._encoder.take_delay(self._command.time_of_another_count)
+        self._winch.refer_to(parameters)
+        identifies, swing = parameters.identifies_winch, self._command.settled_swing
+        share, delay = beliefs.authority if identifies else 1.0, self._winch.tolerated_delay
+        values = {"share": share, "tolerated_delay": delay, "settled_swing": swing, "identifies_winch": identifies}
+        put(active, values)
 
     @property
     def parameters(self) -> WinchControllerParameters:

@@ -19,7 +19,6 @@ class Event(Enum):
     CORRECTED = "something else is assumed of winch, cable or a sensor"
     ENCODER_CORRECTED = "another scale of the encoder is assumed"
     TIP_MOVED = "the boom tip is assumed to be elsewhere"
-    ENCODER_LOST = "the encoder has been lost for long"
     COUNT_JUMPED = "the count has jumped, and orders in the old one still act"
 
 
@@ -38,8 +37,6 @@ MEMORIES: Mapping[str, Callable[[ControllerParts], object]] = {
     "sea of guard and gates": lambda core: core._supervisor.reset_sea(),
     "steps of the order": lambda core: core._command.ease(),
     "orders and encoder": lambda core: core._winch.drum.restart(),
-    "largest error of the drum": lambda core: core._supervisor.guard.forget_drum(),
-    "depth sensor beside estimate": lambda core: core._supervisor.guard.reset_mismatch(),
 }
 """How each memory is restarted."""
 
@@ -57,10 +54,9 @@ RESTARTS: Mapping[Event, tuple[str, ...]] = {
     Event.CORRECTED: ("steps of the order",),
     Event.ENCODER_CORRECTED: ("direction of the encoder", "orders and encoder"),
     Event.TIP_MOVED: ("sea of guard and gates",),
-    Event.ENCODER_LOST: ("depth sensor beside estimate",),
-    Event.COUNT_JUMPED: ("past readings", "orders and encoder", "largest error of the drum"),
+    Event.COUNT_JUMPED: ("past readings",),
 }
-"""Memories that an event restarts, in this order."""
+"""Memories that an event restarts, in this order; what the encoder reflex of the core restarts is there."""
 
 
 def restart(core: ControllerParts, event: Event) -> None:

@@ -149,13 +149,23 @@ class Outputs(NamedTuple):
     authority: float  # see `Report`
     depth_set_point: float  # see `Report`
     make_report: Callable[[], Report]  # returns the report of the tick; it is to be asked before the next one
-    kpi: RollingKpi | None = None  # once a second; None else
+    make_kpi: Callable[[], RollingKpi] | None = None  # returns the figures, once a second; None else
     alarms: tuple[Alarm, ...] = ()  # raised in this tick
     # what an operator has asked for since the last tick, one line each; mode changes are reported apart
     requests: tuple[str, ...] = ()
-    observations: Observations | None = None  # for the adviser, once a second; None else
+    make_observations: Callable[[], Observations] | None = None  # for the adviser, once a second; None else
 
     @property
     def report(self) -> Report:
         """Estimates and actions of the tick, made only when they are read."""
         return self.make_report()
+
+    @property
+    def kpi(self) -> RollingKpi | None:
+        """Figures of merit, made only when they are read; None but once a second."""
+        return None if self.make_kpi is None else self.make_kpi()
+
+    @property
+    def observations(self) -> Observations | None:
+        """What the adviser is asked about, made only when it is read; None but once a second."""
+        return None if self.make_observations is None else self.make_observations()

@@ -30,6 +30,9 @@ class PlanMaker(Protocol):
     def see(self, preview: HeavePreview | None, x: Array) -> None:
         """Take in a `preview` of the boom tip, where one is used and given, beside the state `x`, shape (n,)."""
 
+    def prepare(self) -> None:
+        """Make ready, between two ticks, what `restart` takes."""
+
     def plan_again(self) -> LawCommand:
         """Solve, and have it followed; return the command but for its value."""
 
@@ -77,6 +80,11 @@ class CoreLaw(ControlLaw):
         self.core.restart()
         if self.planner is not None:
             self.planner.restart()
+
+    def prepare(self) -> None:
+        """See ControlLaw."""
+        if self.planner is not None:
+            self.planner.prepare()
 
     def command(self, state: LoopState) -> LawCommand:
         """Return the command at `state`."""

@@ -92,5 +92,8 @@ class ControlLaw(ABC):
     def take_limits(self, limits: WinchLimits) -> None:  # noqa: B027  # most laws leave them to the governor
         """Keep other limits from now on: the winch has been found to be weaker, or stronger, than assumed."""
 
+    def prepare(self) -> None:  # noqa: B027  # most laws remember nothing
+        """Make ready, between two ticks, what it takes to start again."""
+
     def reset(self) -> None:  # noqa: B027  # most laws remember nothing
         """Start again; a law that remembers nothing has nothing to do."""

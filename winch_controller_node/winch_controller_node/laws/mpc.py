@@ -193,6 +193,10 @@ class Planner:
         self._free_less_constrained_feed = now - self._fed[0]
         return disturbances
 
+    def prepare(self) -> None:
+        """Make ready, between two ticks, what `restart` takes."""
+        self._solver.prepare()
+
     def restart(self) -> None:
         """Discard the plan and the solver's warm start."""
         self._solver.restart()

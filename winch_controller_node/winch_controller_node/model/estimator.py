@@ -112,7 +112,8 @@ class KalmanEstimator:
         self._kept = largest_age + 1
         self.innovations: dict[str, Innovation] = {}
         self._refer_to(model, measurements, drag, slack)
-        self.reset()
+        at = np.zeros(model.order), self._gate.added
+        self.kalman = KalmanFilter(self._filter_model, self._gate, self._kept, *at)  # the filter of the core
 
     @property
     def estimate(self) -> Array:
@@ -194,13 +195,8 @@ class KalmanEstimator:
 
         `streams` are those of an estimator that this one takes the place of.
         """
-        self.kalman = KalmanFilter(  # the filter of the core, another one after each jump
-            self._filter_model,
-            self._gate,
-            self._kept,
-            np.zeros(self.model.order) if estimate is None else np.asarray(estimate, dtype=float),
-            np.asarray(self._gate.added if covariance is None else covariance, dtype=float),
-        )
+        at = np.zeros(self.model.order) if estimate is None else estimate
+        self.kalman.begin(at, self._gate.added if covariance is None else covariance)
         self.innovations = {}
         for name, stream in (streams or {}).items():
             if name in self._which:

@@ -13,12 +13,10 @@ from heave_core import layout
 from heave_core.filter import LEAST_USED
 from heave_core.law import ACTING
 from heave_core.library import dtype_of
-from heave_node.interface.codes import WinchLimit
 from heave_node.parameters import ParameterError
 from winch_controller_node.core.component import WinchController
 from winch_controller_node.core.estimation.loop_estimation import NEAR
 from winch_controller_node.core.supervision.supervisor import guarded_loop
-from winch_controller_node.core.supervision.watch.winch_watch import tolerated_delay
 from winch_controller_node.interface.sensors import DEPTH_BIAS
 from winch_controller_node.laws.core_law import CoreLaw, StateFeedback
 from winch_controller_node.motion.mean_motion import RETURN_SPEED
@@ -91,15 +89,10 @@ def records_of(core: WinchController) -> dict[str, Any]:
         "rest_state": rest,
         "near": NEAR,
         "return_speed": RETURN_SPEED,
-        "static_tension": core._static_tension(0.0),
-        "settled_swing": core._command.settled_swing,
-        "share": core.beliefs.authority if parameters.identifies_winch else 1.0,
-        "largest_delay": tolerated_delay(parameters),
+        "active": core._control.active,
         "bias_variance": bias**2,
         "depth_bias": model.state(DEPTH_BIAS) if model.has_state(DEPTH_BIAS) else -1,
-        "identifies_winch": int(parameters.identifies_winch),
         "has_envelope": int(parameters.envelope.active),
-        "payout_limit": int(WinchLimit.PAYOUT),
         "consent": int(core.proofs.consent),
     }
 

@@ -23,7 +23,7 @@ from winch_controller_node.adviser.component import Adviser
 from winch_controller_node.core.estimation import sense_design
 from winch_controller_node.core.supervision import guard_checks, mode_machine, supervision_design
 from winch_controller_node.core.supervision.modes import mode_design
-from winch_controller_node.core.supervision.watch.encoder_reflex import Act, EncoderReflex
+from winch_controller_node.core.supervision.watch import encoder_reflex
 
 from heave_studies.promise.cases import KINDS, Case, draw
 from heave_studies.promise.run import run_case
@@ -78,7 +78,7 @@ LEARNING: Mapping[str, Sequence[Switch]] = {
 
 NO_NOISE = sense_design.GATES | {"fewest_noise": NEVER, "noise_unknown": 1.0}
 REFLEXES: Mapping[str, Sequence[Switch]] = {
-    "encoder reflex": [(EncoderReflex, "look", _gives(Act.NOTHING))],
+    "encoder reflex": [_with(encoder_reflex, "straight", 0.0)],
     "exclusion after jumps": [(sense_design, "EXCLUDES_JUMPED", False)],
     "sensor noise": [(sense_design, "GATES", NO_NOISE)],
     "share by the sea": [_with(supervision_design, "cautious", 1.0)],

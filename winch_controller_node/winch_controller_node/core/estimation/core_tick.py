@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import math
-from functools import lru_cache
 from struct import Struct
+from typing import Any
 
 import numpy as np
 from heave_core.filter_table import MEASUREMENTS, READING, SAID
@@ -16,23 +15,23 @@ from winch_controller_node.core.estimation.sense_design import SENSOR
 from winch_controller_node.interface.readings import Measurements
 from winch_controller_node.interface.sensors import SCALAR_SENSORS
 
-MRU, SCALARS = float(SENSOR["mru"]), tuple((name, float(SENSOR[name])) for name in SCALAR_SENSORS)
+MRU, SCALARS = float(SENSOR["mru"]), {name: float(SENSOR[name]) for name in SCALAR_SENSORS}
 """Numbers of the sensors in the core."""
 
-ONE_VALUE = (0.0, 0.0, 0.0, 0.0, math.nan, math.nan)
-"""What a sensor of one value leaves open of a row of DELIVERED."""
+ROW = 8 * len(DELIVERED.rows)
+"""Bytes of a row of DELIVERED."""
+
+PACK, PACK_SCALAR = Struct(f"{len(DELIVERED.rows)}d").pack_into, Struct("3d").pack_into
+"""Put a reading with the number of its sensor into a row; one of a single value leaves the others open."""
 
 ROOM = 16
 """Readings of a tick for which there is room at first."""
 
-BESIDE = ("found", "observed", "taken", "said", "by_measurement", "depths", "tick")
+BESIDE = (
+    *("sense", "look", "sense_state", "look_state"),
+    *("found", "observed", "taken", "said", "by_measurement", "depths", "tick"),
+)
 """What a filter beside the active one takes in of a tick."""
-
-
-@lru_cache
-def packed(numbers: int) -> Struct:
-    """Return how so many `numbers` lie in memory."""
-    return Struct(f"{numbers}d")
 
 
 class CoreTick:
@@ -62,32 +61,35 @@ class CoreTick:
         rows = {"delivered": self._delivered, "found": found, "observed": self.observed, "taken": taken}
         said = {"said": np.zeros((most, len(SAID.rows))), "by_measurement": self.said}
         self.control.take(SENSING, **rows, **said, depths=self.depths, tick=self.memory)
+        self._beside: tuple[int, ...] = ()
 
     def beside(self, design: int, state: int, motion: int) -> tuple[int, ...]:
         """Return the addresses of what a filter beside takes in of the tick.
 
         `design`, `state`, `motion` : addresses of its design and state, and of the mean payout's motion
         """
-        at = [self.control.address(SENSING, name) for name in ("sense", "look", "sense_state", "look_state", *BESIDE)]
-        sense, look, sense_state, look_state, *rows = at
+        if not self._beside:
+            self._beside = tuple([self.control.address(SENSING, name) for name in BESIDE])
+        sense, look, sense_state, look_state, *rows = self._beside
         return (sense, design, look, motion, sense_state, state, look_state, *rows)
 
     def deliver(self, measurements: Measurements) -> int:
         """Fill in the `measurements` of a tick; return how many readings they are."""
-        row = row_of(measurements)
-        count = len(row) // len(DELIVERED.rows)
+        count = len(measurements.mru) + sum(map(len, measurements.scalar.values()))
         if count > len(self._delivered):
             self._make_room(2 * count)
-        packed(len(row)).pack_into(self._delivered.data, 0, *row)
-        return count
+        return put_readings(self._delivered, measurements)
 
 
-def row_of(measurements: Measurements) -> list[float]:
-    """Return `measurements` by the rows of DELIVERED, one after the other, those of the MRU first."""
-    row: list[float] = []
+def put_readings(rows: Any, measurements: Measurements) -> int:
+    """Put `measurements` into `rows` of DELIVERED, those of the MRU first; return how many readings they are."""
+    at = 0
     for one in measurements.mru:
-        row += MRU, one.time, one.heave, one.heave_rate, one.roll, one.pitch, one.status, *one[-2:]
-    for name, number in SCALARS:
-        for time, value in measurements.of(name):
-            row += (number, time, value, *ONE_VALUE)
-    return row
+        PACK(rows, at, MRU, *one)
+        at += ROW
+    for name, readings in measurements.scalar.items():
+        number = SCALARS[name]
+        for reading in readings:
+            PACK_SCALAR(rows, at, number, *reading)
+            at += ROW
+    return at // ROW

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import math
 from collections import deque
-from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -18,7 +17,6 @@ from heave_core.law import SENSING, Control
 from heave_core.library import library
 from heave_core.look import Look, padded
 from heave_core.sense_table import OBSERVED, News
-from heave_node.interface.codes import WinchFault
 from heave_node.numerics.arrays import Array
 
 from winch_controller_node.beliefs.beliefs import LATENCY, Adopted, EncoderScale
@@ -31,7 +29,7 @@ from winch_controller_node.core.estimation.second_filter import SecondFilter
 from winch_controller_node.core.estimation.sense_design import ENCODER_ROW, ROWS
 from winch_controller_node.design.design import ControllerDesign
 from winch_controller_node.design.seas import SeaTracker
-from winch_controller_node.interface.readings import Measurements, WinchOrder, WinchReading
+from winch_controller_node.interface.readings import Measurements, WinchReading
 from winch_controller_node.interface.sensors import DEPTH_BIAS, LEVER_ARM_X, LEVER_ARM_Y
 from winch_controller_node.model.estimator import NO_REGRESSORS, Measurement, RecordedTick, begin_anew
 from winch_controller_node.model.models import loop_rows
@@ -102,7 +100,6 @@ class LoopEstimation:
         self._look = Look(look_design(design))
         self._has_begun, self._first_payout = False, math.nan
         self.observed = NO_READINGS  # in the last tick, by rows of OBSERVED
-        self.uses_count = True  # what the winch reports may be used in this tick
         self._sea = SeaTracker(design, self.observer.state["sea"])
         self.log = ObservationLog(dt)  # of what is observed, for the adviser
         # filter that explains the readings by nominal values alone; None: the active one does
@@ -296,11 +293,13 @@ class LoopEstimation:
         command : of the last tick
         """
         self._now, self._is_noted, self._made = (number, command), False, None
-        self.uses_count = self._has_begun or self._begin(measurements.winch)
-        self._bind()
+        if not self._has_begun:
+            active = self._core.control.active
+            active["has_begun"], active["stated_payout"] = self._begin(measurements.winch), self.stated_payout
+        self.bind()
         return self._core.deliver(measurements)
 
-    def _bind(self) -> None:
+    def bind(self) -> None:
         """Have the tick work on the filter as it is now."""
         kalman = self.estimator.kalman
         if kalman is not self._bound:
@@ -327,24 +326,6 @@ class LoopEstimation:
             for one in (self.estimator, self.by_count):
                 if one is not None:
                     one.set_process_noise(self._sea.noise)
-
-    def note_for_adviser(self, given: WinchOrder, winch: WinchReading | None, noted: Sequence[float]) -> None:
-        """Note the tick for the adviser.
-
-        Parameters
-        ----------
-        given : order of the tick before
-        winch : the winch's own report; None: nothing came
-        noted : authority, whether the mode is compensating, and the numbers of CONTROLLED from `compensating` on
-        """
-        authority, compensates, compensating, as_read, tension, *moving = noted
-        sequence, payout, rate, brake, _ = given
-        taken, limits = math.nan, 0
-        if winch is not None:
-            taken, limits = winch.command_sequence, winch.limits_hit
-            brake = brake or winch.brake or winch.fault != WinchFault.NONE
-        ordered = compensating, payout, rate, sequence, brake, as_read, taken, limits
-        self.log.add(self._now[0], (*ordered, tension, authority, compensates, *moving), self.observed)
 
     @property
     def tick(self) -> LoopTick:
@@ -394,7 +375,7 @@ class LoopEstimation:
 
     def refresh(self) -> None:
         """Have the motions of the tick as they are after the loop has been moved to another state."""
-        self._bind()
+        self.bind()
         row, now = self._core.record, self.tick
         row["mean_command"] = self.motion.reference_command(self._design.parameters.winch)
         row["left_over"] = self.motion.left_over.point.payout

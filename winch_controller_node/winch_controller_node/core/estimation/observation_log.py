@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
+from functools import cache
+
 import numpy as np
 from heave_node.numerics.arrays import Array
 
@@ -17,7 +20,7 @@ class ObservationLog:
 
     def __init__(self, tick_period: float) -> None:
         self._batch = max(1, round(BATCH / tick_period))
-        self._ticks: list[tuple[float, ...]] = []
+        self._ticks: list[Sequence[float]] = []
         self._readings: list[Array] = []
         # tick with which the record begins: readings before and after do not belong together, nor do those before and
         # after the controller was restarted
@@ -29,7 +32,7 @@ class ObservationLog:
         self._is_broken = True
         self._ticks, self._readings = [], []
 
-    def add(self, number: int, row: tuple[float, ...], readings: Array) -> None:
+    def add(self, number: int, row: Sequence[float], readings: Array) -> None:
         """Take a tick in: its `number`, its `row` by TICK_COLUMNS, and its `readings`, by rows of OBSERVED."""
         if not self._ticks:
             self._first = number
@@ -44,8 +47,8 @@ class ObservationLog:
 
     def batch(
         self, beliefs: int, *, excluded: str, is_trusted: bool, restated: tuple[tuple[str, float], ...] = ()
-    ) -> Observations:
-        """Return the batch that is complete, once.
+    ) -> Callable[[], Observations]:
+        """Return what makes the batch that is complete, when it is read; the next one begins.
 
         Parameters
         ----------
@@ -54,7 +57,12 @@ class ObservationLog:
         is_trusted : depth sensor and estimate agree
         restated : parameters that an operator has restated
         """
-        ticks = np.array(self._ticks, dtype=float).reshape(-1, len(TICK_COLUMNS))
-        readings = np.concatenate(self._readings)
+        first, epoch, ticks, readings = self._first, self.epoch, self._ticks, self._readings
         self._ticks, self._readings = [], []
-        return Observations(self._first, ticks, ROWS, readings, self.epoch, beliefs, excluded, is_trusted, restated)
+
+        @cache
+        def batch() -> Observations:
+            table, read = np.array(ticks).reshape(-1, len(TICK_COLUMNS)), np.concatenate(readings)
+            return Observations(first, table, ROWS, read, epoch, beliefs, excluded, is_trusted, restated)
+
+        return batch

@@ -169,10 +169,6 @@ class HarmGuard:
         """Compare depth sensor and estimate again: what was seen until now says nothing of either."""
         self.core.reset_mismatch()
 
-    def forget_drum(self) -> None:
-        """Do not hold errors of the drum against the winch: its count was another one."""
-        self.core.state["drum_share"] = 0.0
-
     def allow_resumption(self) -> None:
         """Do not hold against the loop how drum and unit moved while a sensor was lost."""
         self.core.allow_resumption()

@@ -40,6 +40,11 @@ TRIES = (Mode.COMPENSATING.value, Mode.CONSTANT_TENSION.value, Mode.MANUAL.value
 AUTHORITY, TARGET, FACTOR, TIME, WELL_TIME = range(5)
 """Places among the numbers of the core's ModeState."""
 
+WORDED = (
+    *(Event.WINCH_FAULT, Event.WINCH_EMERGENCY_STOP, Event.SENSOR_LOST, Event.WINCH_SILENT, Event.HARM, Event.ENVELOPE),
+)
+"""Events whose words say more than their name."""
+
 GUARDS = {guard.number: guard for row in TABLE for guard in row.guards}
 """Guards by their number in the core."""
 
@@ -166,7 +171,8 @@ class ModeMachine:
         if name not in events:
             raise ModeError(f"mode {name!r} cannot be requested; known: {', '.join(events)}")
         number = event_number(events[name])
-        refusal = self._refusal(name, number)
+        missing = self._missing(*self._at[:2], number, self._at[2])
+        refusal = self._refusal(name, missing) if missing else ""
         if not self._request(*self._at[:2], number, self._at[2]):
             raise ModeError(refusal)
         self._enter(events[name])
@@ -221,6 +227,8 @@ class ModeMachine:
 
     def _words(self, event: Event) -> str:
         """Return why an event changes the mode."""
+        if event not in WORDED:
+            return str(event.value)
         now = self._look()
         if event in (Event.WINCH_FAULT, Event.WINCH_EMERGENCY_STOP):
             cause = f": {now.fault_cause}" if now.fault_cause else ""
@@ -229,9 +237,7 @@ class ModeMachine:
             return f"{now.lost}; {self._after_loss(now)}"
         if event is Event.HARM:
             return _harm(now)
-        if event is Event.ENVELOPE:
-            return f"{now.envelope}; check the cause, then request a mode"
-        return str(event.value)
+        return f"{now.envelope}; check the cause, then request a mode"
 
     def _after_loss(self, now: Situation) -> str:
         """Return what becomes of a mode that a lost sensor has ended, once that is good again."""
@@ -252,11 +258,10 @@ class ModeMachine:
         until = "; until then the depth sensor damps the load" if now.is_damped_blind else ""
         return f"compensation resumes automatically once the sensor is good{until}"
 
-    def _refusal(self, name: str, event: int) -> str:
-        """Return why no row of a request, of the number `event`, can be taken."""
+    def _refusal(self, name: str, missing: int) -> str:
+        """Return why no row of a request can be taken: bits of guards that are `missing`; below 0: there is no row."""
         if self.mode is Mode.OFF:
             return "law off: the controller does not move the winch"
-        missing = self._missing(*self._at[:2], event, self._at[2])
         if missing < 0:
             return f"mode {name} cannot be entered from mode {self.mode.value}: request standby first"
         now = _tried(self._look()) if name in TRIES else self._look()

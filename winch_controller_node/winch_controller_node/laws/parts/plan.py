@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import daqp
 import numpy as np
@@ -171,14 +171,22 @@ class PlanSolver:
         self._hessian = np.ascontiguousarray(hessian * self._scale[:, None] * self._scale[None, :])
         self._forced = np.ascontiguousarray(forced * self._scale[None, :])
         self._settings = {"iter_limit": iteration_limit, "rho_soft": softness}
+        self._fresh: Any = None  # solver without a warm start
         self.restart()
 
     def restart(self) -> None:
-        """Discard the warm start."""
+        """Discard the warm start: another solver takes the place, which was prepared beside the ticks."""
+        self.prepare()
+        self._solver, self._fresh = self._fresh, None
+
+    def prepare(self) -> None:
+        """Have such a solver: to set one up takes longer than a tick may."""
+        if self._fresh is not None:
+            return
         rows, columns = self._forced.shape
-        self._solver = daqp.Model()
-        self._solver.settings = self._settings
-        self._solver.setup(
+        self._fresh = daqp.Model()
+        self._fresh.settings = self._settings
+        self._fresh.setup(
             self._hessian,
             np.zeros(columns),
             self._forced,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import Any, NamedTuple
+from typing import Any
 
 from heave_core.watch import Drum, DrumOrders, run_of
 
@@ -26,46 +26,6 @@ CONSTANTS = {
 
 LONGEST = 12.0
 """Time for which orders and readings are kept [s]."""
-
-STRAIGHT = 0.15
-"""Orders and encoder are compared where no more is left of the readings than this share: a weak drum lags behind."""
-
-REVERSED, NOT_REVERSED = -0.2, 0.5
-"""Ratio of encoder to orders below which the encoder is reversed, and above which it is no more."""
-
-SUDDEN, NOT_SUDDEN = (0.6, 1.6), (0.75, 1.3)
-"""Ratio of encoder to orders outside which its scale has changed suddenly, and within which it has not."""
-
-TRUE = 0.1
-"""Largest error of that ratio of an encoder that reads what was ordered: a weaker or slower winch is further off."""
-
-
-class Ordered(NamedTuple):
-    """What the encoder reads of what the winch was ordered."""
-
-    share: float  # times as much [-]
-    left: float  # standard deviation of the rest over that of the readings [-]
-    payout: float  # where the drum should be by now, did it start where it was read [m]
-    is_limited: bool = False  # the winch says that it has been at a limit meanwhile
-
-    def is_reversed(self, *, was: bool) -> bool:
-        """Return whether the encoder is reversed, and if it `was` so, still is."""
-        return self.share < NOT_REVERSED if was else self.share < REVERSED and self.left < STRAIGHT
-
-    def is_sudden(self, *, was: bool) -> bool:
-        """Tell whether the encoder reads far less or more, no limit having acted, and if it `was` so, still does."""
-        least, most = NOT_SUDDEN if was else SUDDEN
-        return not least < self.share < most and (was or (self.left < STRAIGHT and not self.is_limited))
-
-    @property
-    def is_right_way(self) -> bool:
-        """Tell whether the encoder goes the way that was ordered."""
-        return self.share > NOT_REVERSED and self.left < STRAIGHT
-
-    @property
-    def is_true(self) -> bool:
-        """Tell whether the encoder reads what was ordered."""
-        return abs(self.share - 1.0) < TRUE and self.left < STRAIGHT
 
 
 def watched(drum: Drum, largest: float, position_gain: float, tick_period: float) -> dict[str, Any]:
@@ -112,7 +72,7 @@ class DrumWatch:
         self._nominal = winch
         values = watched(drum_of(winch), largest, winch.position_gain, tick_period)
         self._core = DrumOrders(values) if orders is None else orders
-        self.restart, self.error = self._core.restart, self._core.error
+        self.restart = self._core.restart
         self.reset()
 
     def take(self, assumed: Mapping[str, float]) -> None:
@@ -142,16 +102,3 @@ class DrumWatch:
         is_limited : the winch says that a limit acted in it
         """
         self._core.add(payout, rate, tension, math.nan if encoder is None else encoder, is_limited)
-
-    def does_as_nominal(self, scale: float) -> bool:
-        """Tell whether the encoder, whose assumed `scale` is left out, reads what a nominal winch was ordered."""
-        found = self.ordered(of_nominal=True)
-        return found is not None and found._replace(share=found.share * scale).is_true
-
-    def ordered(self, *, of_nominal: bool = False) -> Ordered | None:
-        """Return what the encoder reads of what the winch was ordered, with its assumed scale; None: unknown.
-
-        `of_nominal` : the nominal winch was, not the assumed one
-        """
-        share, left, payout, is_limited = self._core.ordered(of_nominal=of_nominal)
-        return None if math.isnan(share) else Ordered(share, left, payout, bool(is_limited))

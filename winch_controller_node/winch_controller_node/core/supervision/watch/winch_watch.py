@@ -8,7 +8,7 @@ from typing import NamedTuple
 from heave_core.law import put
 from heave_core.watch import WinchRecord
 from heave_node.interface.alarm import Alarm
-from heave_node.interface.codes import WinchFault, WinchLimit
+from heave_node.interface.codes import WinchFault
 
 from winch_controller_node.beliefs.drum import drum_of
 from winch_controller_node.core.supervision.late_commands import (
@@ -21,14 +21,11 @@ from winch_controller_node.core.supervision.late_commands import (
 from winch_controller_node.core.supervision.watch.drum_watch import DrumWatch, watched
 from winch_controller_node.design.design import ControllerDesign
 from winch_controller_node.interface.alarms import ALARMS
-from winch_controller_node.interface.readings import Lateness, WinchOrder, WinchReading
+from winch_controller_node.interface.readings import Lateness, WinchOrder
 from winch_controller_node.node_parameters import WinchControllerParameters
 
 TOLERATED_SHARE = 0.5
 """Further delay with which compensation is tried, over lag and delay of the model, where these are not identified."""
-
-PAYOUT, OF_MOTION = int(WinchLimit.PAYOUT), int(~WinchLimit.PAYOUT)
-"""Limit of the winch at which no model of it holds, and those that a sea takes it to."""
 
 
 class TransportReport(NamedTuple):
@@ -41,9 +38,6 @@ class TransportReport(NamedTuple):
 ON_TIME = TransportReport()
 """Commands that get there in time."""
 
-NO_REPORT = (0, False, False, False)
-"""What is known of commands and limits of a winch that has not reported."""
-
 
 class WinchWatch:
     """Compares what the winch did with what it was ordered.
@@ -52,8 +46,6 @@ class WinchWatch:
     """
 
     def __init__(self, design: ControllerDesign) -> None:
-        # of the winch, as it reported last: a state that misses its tick takes no fault away
-        self.fault = int(WinchFault.NONE)
         winch, largest, dt = design.parameters.winch, design.parameters.lag.largest, design.tick_period
         self._core = WinchRecord(
             {
@@ -71,7 +63,7 @@ class WinchWatch:
         self._link, self._error = self._core.link.state[0], self._core.state["error"]
         self.records = self._core.records
         self.kept = 0  # ticks for which the winch has kept its order, as it got none
-        self._refer_to(design.parameters)
+        self.refer_to(design.parameters)
 
     def take(self, assumed: Mapping[str, float]) -> None:
         """Go by the `assumed` winch from now on, by quantity."""
@@ -82,9 +74,9 @@ class WinchWatch:
         """Payout of the drum less what was predicted of it a second ago [m]; 0 where unknown."""
         return float(self._error[0])
 
-    def fault_cause(self, lateness: Lateness) -> str:
-        """Return why the winch has the fault it has, in words, with the `lateness` of the ticks; empty: unknown."""
-        return self._timeout_cause.words(lateness) if self.fault == WinchFault.COMMAND_TIMEOUT else ""
+    def fault_cause(self, fault: int, lateness: Lateness) -> str:
+        """Return why the winch has a `fault`, in words, with the `lateness` of the ticks; empty: unknown."""
+        return self._timeout_cause.words(lateness) if fault == WinchFault.COMMAND_TIMEOUT else ""
 
     def take_kept(self) -> int:
         """Return for how many ticks the winch has kept its order until now, once."""
@@ -97,25 +89,9 @@ class WinchWatch:
         if given is not None and not given.brake:
             self.drum.add(given.payout, given.payout_rate, None)
 
-    def see(self, winch: WinchReading | None, parameters: WinchControllerParameters) -> tuple[int, bool, bool, bool]:
-        """Return which command the winch has taken, and whether it is at its end, at a limit, at one of its motion.
-
-        Parameters
-        ----------
-        winch : the winch's own report; None: nothing came
-        parameters : with the active model of the winch
-        """
-        if parameters is not self._parameters:
-            self._refer_to(parameters)
-        if winch is None:
-            return NO_REPORT
-        self.fault, limits = winch.fault, winch.limits_hit
-        # every limit but that of the payout, also of torque and pressure, acts as one of speed or acceleration
-        return winch.command_sequence, bool(limits & PAYOUT), limits != 0, limits & OF_MOTION != 0
-
-    def _refer_to(self, parameters: WinchControllerParameters) -> None:
-        """Go by the delay of the winch that is assumed from now on."""
-        self._parameters, delay = parameters, parameters.winch.command_delay
+    def refer_to(self, parameters: WinchControllerParameters) -> None:
+        """Go by the delay of the winch that is assumed from now on, by the active `parameters`."""
+        delay = parameters.winch.command_delay
         # a delay that was learnt to be shorter, what it lacks being taken for lag, makes no command late
         put(self._core.design, {"delay": delay, "modelled": max(delay, self._stated_delay)})
         self.tolerated_delay = tolerated_delay(parameters)
