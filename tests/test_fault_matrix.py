@@ -284,6 +284,10 @@ def test_what_the_same_run_does_without_the_fault_stopped_at_once_as_well_is_no_
     assert not unit.holds(Outcome(unit=2.0))
     assert not unit.holds(Outcome(unit=2.0, stopped=1.5))
     assert unit.holds(Outcome(unit=1.2, stopped=0.5))
+    travel = next(bar for bar in BARS if bar.name.startswith("travel"))
+    assert travel.holds(Outcome(travel=1.04, without=1.05))
+    assert not travel.holds(Outcome(travel=1.04))
+    assert not travel.holds(Outcome(travel=1.04, without=1.03))
 
 
 def test_a_creep_shows_once_it_has_carried_the_drum_away_from_where_it_was_to_be():

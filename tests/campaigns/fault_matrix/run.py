@@ -70,6 +70,8 @@ class Outcome:
     # motion of the unit over that of the locked one in the same run without a fault, with an emergency stop where the
     # drum was stopped at once; 0: not asked for
     stopped: float = 0.0
+    # travel in that run, over the same limit, where the drum goes on after the fault; 0: not asked for
+    without: float = 0.0
     past_brake: float = 0.0  # largest way of the drum past a brake that alone may hold it: left out above [m]
     seconds: float = 0.0  # of processor time that it took
 
@@ -95,8 +97,10 @@ def _run_loop(cells: Sequence[Cell], after: float) -> Iterator[tuple[Cell, Outco
         failure = _words(error)
     for one in cells:
         found = Outcome(failure=failure) if failure else _forked(one, session, after)
-        if found.unit > LARGEST_UNIT:
-            found = replace(found, stopped=_forked(one, session, after, stop=found.sudden).unit)
+        goes_far = found.travel > 1.0 and math.isinf(found.rest)
+        if found.unit > LARGEST_UNIT or goes_far:
+            other = _forked(one, session, after, stop=found.sudden)
+            found = replace(found, stopped=other.unit, without=other.travel if goes_far else 0.0)
         yield one, found
 
 
