@@ -34,6 +34,7 @@ void take_way(const Design &design, State &state, double way, double sent, doubl
 void count_way(const Design &design, State &state, double step, double sent, double time);
 void forget_strokes(State &state);
 double stroke_limit(const Bounds &bounds, const State &state);
+double step_of_count(const Bounds &bounds, const State &state);
 void watch_strokes(const Design &design, State &state);
 void rest_drum(State &state);
 void watch_brake(const Design &design, State &state, const Readings &readings, bool is_braked);

@@ -181,7 +181,7 @@ int observe_count(const Design &design, State &state, const Readings &readings, 
     // a unit that is let go by a stop swings, and what takes that out is more than the ship does (a limit of the drive lets
     // nothing go: orders that hit it must not widen their own bounds); how far a fade-out has left it swinging, the load
     // cell shows
-    const bool lets_go = travelled.is_braked || readings.drive == DRIVE_RESTS || int(readings.duty) == STOP;
+    const bool lets_go = travelled.is_braked || readings.drive >= DRIVE_RESTS || int(readings.duty) == STOP;
     const bool begins = lets_unit_swing(Duty(int(state.duty)), Duty(int(readings.duty)));
     if ((lets_go && state.drum.rate != 0.0) || (begins && !has_load(design, state))) state.seen_time = 0.0;
     // what swings under a locked winch as following begins is stopped by more than the ship does
@@ -246,7 +246,7 @@ int observe_count(const Design &design, State &state, const Readings &readings, 
     }
     // a drum that stops by itself may be anywhere between rest and what was sent; where its count was lost meanwhile, also
     // the last order that came to it may have gone on
-    const bool went_on = readings.drive == DRIVE_RESTS && time > bounds.count_time;
+    const bool went_on = readings.drive >= DRIVE_RESTS && time > bounds.count_time;
     const double expected = went_on ? step : is_held ? clip(step, std::min(sent, 0.0), std::max(sent, 0.0)) : sent;
     state.drum_travel += std::abs(sent);
     // a drum that suddenly goes otherwise than sent makes steps of its own in the load

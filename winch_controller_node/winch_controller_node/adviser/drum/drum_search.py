@@ -33,6 +33,7 @@ from winch_controller_node.adviser.drum.drum_fit import (
     fit_drum,
 )
 from winch_controller_node.adviser.drum.drum_record import FACTOR, START_PAYOUT, DrumRecord
+from winch_controller_node.adviser.hypothesis import CLEARLY
 
 ALWAYS = (LAG, DELAY, GAIN)
 
@@ -86,8 +87,8 @@ def identify(record: DrumRecord, prior: DrumPrior, assumed: Array) -> DrumFit:
     held_limits = {index for index in LIMITS if assumed[index] < prior.nominal[index]}
     onsets = _sudden(record, prior, assumed) if best.residual > UNEXPLAINED else []
     found, freed = _with_groups(prior, best, others, onsets, held_limits)
-    if (FACTOR,) in freed and _loss_with_drift(record, prior, assumed, onsets) < found.loss:
-        # the drum has begun to creep, and its encoder is right: the next records say by how much
+    if (FACTOR,) in freed and _loss_with_drift(record, prior, assumed, onsets) < found.loss + CLEARLY:
+        # the drum may have begun to creep, and its encoder be right: the next records say by how much
         found, freed = _with_groups(prior, best, others, [], held_limits)
     return _without_held(prior, _without_passengers(prior, found, freed, assumed), held_limits)
 
