@@ -245,6 +245,7 @@ DRIFT = structure(
     Row("level", "m", "depth and that heave together, as it began; NaN: none yet"),
     Row("shown", "m", "the same now, smoothed"),
     Row("seen", "m", "`off` at the last reading of the depth sensor, smoothed likewise"),
+    Row("against", "m^2", "mean drift times what the depth went against it beyond half; below 0: creep"),
     Row("age", "s", "since that reading"),
 )
 

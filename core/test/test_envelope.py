@@ -995,18 +995,24 @@ def test_an_order_that_stays_near_its_bounds_is_taken_over_as_the_drum_fails_to_
     assert order.cause in (Cause.NOTHING, Cause.RATE, Cause.TRAVEL)
 
 
-def drifting(rate, *, creeps, sees_depth, time=40.0):
+def drifting(rate, *, creeps, sees_depth, time=40.0, wander=(0.0, 1.0), swing=0.0):
     """Follow with a drum or its count at a `rate` of its own; return the rig and the time at which it is taken over.
 
-    The unit hangs still on a stiff cable: its depth is the true payout less the heave, which the drum takes out.
+    The unit hangs still on a stiff cable: its depth is the true payout less the heave, which the drum takes out. By an
+    amplitude [m], with a period [s], `wander`, the motion reference unit is off, and the load cell shows a `swing` [m].
     """
-    rig = Rig(cable={"inertia": 1e-4}).settled()
+    rig = Rig(cable={"inertia": 1e-4}, bounds={"harm_margin": 10.0}).settled()
+    amplitude, slow = wander[0], 2.0 * math.pi / wander[1]
     for tick in range(round(time / DT)):
         # a loop about the position goes by the count
         count = rig.payout + rate * tick * DT
         depth = 300.0 + (count if creeps else rig.payout) - rig.tip[0]
         ordered = rig.tip[1] + 0.5 * (rig.tip[0] - count)
-        order = rig.step(ordered, count=count, depth=depth if sees_depth else math.nan)
+        phase = slow * tick * DT
+        heave, heave_rate = rig.tip[0] + amplitude * math.sin(phase), rig.tip[1] + amplitude * slow * math.cos(phase)
+        seen = {"count": count, "depth": depth if sees_depth else math.nan}
+        load = CABLE["static_tension"] + CABLE["stiffness"] * swing * math.sin(phase)
+        order = rig.step(ordered, mru_heave=heave, mru_rate=heave_rate, load=load, **seen)
         if order.cause != Cause.NOTHING:
             assert (order.cause, order.phase) == (Cause.DRIFT, Phase.TAKEN)
             return rig, tick * DT
@@ -1027,6 +1033,28 @@ def test_a_count_that_drifts_ends_in_a_takeover_before_the_load_has_gone_far(rat
 def test_a_drum_that_creeps_under_a_count_that_the_depth_sensor_confirms_goes_on(rate):
     _, time = drifting(rate, creeps=True, sees_depth=True, time=120.0)
     assert time == math.inf
+
+
+@pytest.mark.parametrize("period", [12.0, 20.0, 35.0])
+@pytest.mark.parametrize("rate", [0.012, -0.02, 0.03])
+def test_a_drum_that_creeps_goes_on_beside_a_motion_reference_unit_that_wanders(rate, period):
+    """At times in each wave the depth seems to have gone against the drift by its 0.3 m; in the mean it has not."""
+    _, time = drifting(rate, creeps=True, sees_depth=True, time=150.0, wander=(0.3, period))
+    assert time == math.inf
+
+
+@pytest.mark.parametrize("rate", [0.012, -0.012])
+def test_a_drum_that_creeps_goes_on_while_the_load_swings_and_is_not_where_the_nominal_one_is(rate):
+    _, time = drifting(rate, creeps=True, sees_depth=True, time=150.0, wander=(0.6, 18.0), swing=0.6)
+    assert time == math.inf
+
+
+@pytest.mark.parametrize("period", [12.0, 20.0, 35.0])
+@pytest.mark.parametrize("rate", [0.03, -0.05])
+def test_a_count_that_drifts_is_taken_over_beside_a_motion_reference_unit_that_wanders(rate, period):
+    """No later than without a depth sensor."""
+    _, time = drifting(rate, creeps=False, sees_depth=True, wander=(0.3, period))
+    assert time <= drifting(rate, creeps=False, sees_depth=False)[1]
 
 
 def test_a_drum_that_creeps_and_that_no_depth_sensor_confirms_is_taken_over():

@@ -163,8 +163,8 @@ void watch_duty(const Design &design, State &state, const Readings &readings, do
 // A count that goes its own way for good: the load goes the other one, unless the depth sensor says that it does not.
 void watch_drift(const Design &design, State &state, const Readings &readings) {
     watch_depth(design, state, readings);
-    const double limit = drift_limit(design.envelope, state);
-    if (std::abs(state.drift.off) > limit) confirm_count(state);
+    const double limit = drift_limit(design, state);
+    if (std::abs(state.drift.off) > limit) confirm_count(design, state);
     if (std::abs(state.drift.off) > limit && state.phase == FREE) enter(state, TAKEN, DRIFT, state.drift.off, limit);
 }
 

@@ -88,7 +88,7 @@ def identify(record: DrumRecord, prior: DrumPrior, assumed: Array) -> DrumFit:
     onsets = _sudden(record, prior, assumed) if best.residual > UNEXPLAINED else []
     found, freed = _with_groups(prior, best, others, onsets, held_limits)
     if (FACTOR,) in freed and _loss_with_drift(record, prior, assumed, onsets) < found.loss + CLEARLY:
-        # the drum may have begun to creep, and its encoder be right: the next records say by how much
+        # the drum creeps, or its gain drifts, and its encoder may be right: the next records say by how much
         found, freed = _with_groups(prior, best, others, [], held_limits)
     return _without_held(prior, _without_passengers(prior, found, freed, assumed), held_limits)
 
@@ -216,10 +216,10 @@ def _before(record: DrumRecord, prior: DrumPrior, assumed: Array, onset: int) ->
 
 
 def _loss_with_drift(record: DrumRecord, prior: DrumPrior, assumed: Array, onsets: Sequence[int]) -> float:
-    """Return the loss of the `assumed` drum whose count drifts from near one of the `onsets` on, the best [nats]."""
+    """Return the loss of the `assumed` drum whose count or gain drifts from near one of the `onsets` on [nats]."""
     fit = _before(record, prior, assumed, min(onsets))
-    left = record.residuals(fit.theta[None, :])[0]
-    squares = min(record.squares_with_drift(left, at) for at in range(min(onsets), len(record.readings) - 2))
+    left, path = record.residuals(fit.theta[None, :])[0], record.simulated(fit.theta[None, :])[0]
+    squares = min(record.squares_with_drift(left, path, at) for at in range(min(onsets), len(record.readings) - 2))
     return replace(fit, squares=squares, count=len(left), record=record).loss
 
 
