@@ -32,6 +32,7 @@ from tests.campaigns.fault_matrix.judge import (
     envelope_ratio,
     held_for,
     named_after,
+    past_brake,
     path_of,
     rest_after,
     stopped_at_once,
@@ -84,6 +85,19 @@ def test_a_drum_that_follows_the_sea_travels_no_more_than_the_heave_and_one_that
     # the heave is 2 m; after 20 s the drum is 10 m away, at a zero of the wave
     assert travel_ratio(TIME, runs, tip, Asked(), BEGIN, 120.0) == pytest.approx(10.0 / 2.3, abs=0.02)
     assert travel_ratio(TIME, runs, tip, Asked(), BEGIN, BEGIN) == 0.0
+
+
+def test_a_drum_that_runs_past_a_brake_which_alone_may_hold_it_is_nobodys_travel():
+    """At 0.5 m/s and 0.5 m/s^2 a brake takes 1 s, and 1 s until it acts: what the drum goes after that is left out."""
+    rate = np.where(TIME < BEGIN, 0.5, 0.1)
+    payout, ordered = np.cumsum(rate) * PERIOD, np.where(TIME < BEGIN, 0.5, math.nan)
+    always, never = np.ones(TIME.size, dtype=bool), np.zeros(TIME.size, dtype=bool)
+    past = past_brake(TIME, payout, ordered, always)
+    assert past[-1] == pytest.approx(0.1 * (TIME[-1] - BEGIN - 2.0), abs=0.05)
+    assert np.max(past_brake(TIME, payout, ordered, never)) == 0.0, "a drive with power could hold it"
+    assert np.max(past_brake(TIME, payout, 0.0 * TIME, always)) == 0.0, "none was ordered"
+    held = np.cumsum(np.where(TIME < BEGIN, 0.5, 0.0)) * PERIOD
+    assert np.max(past_brake(TIME, held, ordered, always)) == pytest.approx(0.0, abs=1e-9)
 
 
 def test_what_was_asked_is_no_travel_and_no_more_of_it_than_had_time():
@@ -150,7 +164,7 @@ def test_a_drum_that_is_driven_by_hand_and_creeps_is_no_motion_of_the_unit(asked
     columns |= {"payout": -0.035 * since, "payout_rate": 0.0 * TIME, "depth_set_point": -0.06 * since}
     for name, values in columns.items():
         record.rows[:, COLUMNS.index(name)] = values
-    assert least < judged(one, record, TIME < 0.0, 0.0 * TIME, asked, BEGIN).unit < most
+    assert least < judged(one, record, TIME < 0.0, 0.0 * TIME, TIME < 0.0, asked, BEGIN).unit < most
 
 
 def test_what_shows_a_fault_is_a_way_an_order_and_time_under_the_brake():
@@ -270,6 +284,10 @@ def test_what_the_same_run_does_without_the_fault_stopped_at_once_as_well_is_no_
     assert not unit.holds(Outcome(unit=2.0))
     assert not unit.holds(Outcome(unit=2.0, stopped=1.5))
     assert unit.holds(Outcome(unit=1.2, stopped=0.5))
+    travel = next(bar for bar in BARS if bar.name.startswith("travel"))
+    assert travel.holds(Outcome(travel=1.04, without=1.05))
+    assert not travel.holds(Outcome(travel=1.04))
+    assert not travel.holds(Outcome(travel=1.04, without=1.03))
 
 
 def test_a_creep_shows_once_it_has_carried_the_drum_away_from_where_it_was_to_be():
@@ -278,8 +296,9 @@ def test_a_creep_shows_once_it_has_carried_the_drum_away_from_where_it_was_to_be
     columns = {"time": TIME, "boom_tip": np.sin(OMEGA * TIME), "payout": 0.0 * TIME, "payout_rate": 0.0 * TIME}
     for name, values in columns.items():
         record.rows[:, COLUMNS.index(name)] = values
+    still = TIME < 0.0, 0.0 * TIME, TIME < 0.0
     seen = [
-        judged(replace(one, fault=Fault("winch creep", 0.05, lasting)), record, TIME < 0.0, 0.0 * TIME, Asked(), BEGIN)
+        judged(replace(one, fault=Fault("winch creep", 0.05, lasting)), record, *still, Asked(), BEGIN)
         for lasting in (1.9, 2.2)
     ]
     assert [found.is_visible for found in seen] == [False, True]

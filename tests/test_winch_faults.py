@@ -90,7 +90,8 @@ def test_a_count_that_freezes_while_the_winch_is_driven_slowly_by_hand_is_named_
 
 @pytest.mark.parametrize("kind", ["brake_slip", "brake_open"])
 def test_a_brake_that_does_not_hold_is_reported_within_two_seconds_of_the_standstill(kind):
-    run = Run()
+    """Without the envelope, which has the drive hold the drum before the drive finds it."""
+    run = Run(**{"envelope.active": False})
     run.inject(kind, 0.05)
     run.loop.controller.set_mode("standby")
     # a fade-out may settle for 30 s
@@ -98,6 +99,22 @@ def test_a_brake_that_does_not_hold_is_reported_within_two_seconds_of_the_stands
     at_rest = run.reached("standby")
     assert run.reached("stopped", at_rest) <= at_rest + 2.0
     assert "the brake does not" in run.loop.winch.supervised
+
+
+@pytest.mark.parametrize(("mode", "holds"), [("stopped", True), ("emergency_stop", False)])
+def test_a_drum_that_its_brake_does_not_hold_is_held_by_a_drive_without_supervision_not_after_an_emergency_stop(
+    mode, holds
+):
+    """It went on at 0.1 m/s until somebody asked for a mode."""
+    run = Run(supervised=0.0)
+    run.inject("brake_slip", 0.1)
+    run.loop.controller.set_mode(mode)
+    run.go(BEGIN + 60.0)
+    names = [told.name for at, told in run.alarms if at > BEGIN]
+    assert "DRUM_NOT_HELD: count" in names
+    assert ("DRUM_HELD_BY_DRIVE" in names) is holds
+    assert ("DRUM_NOT_HELD: turns" in names) is not holds
+    assert np.abs(run.column("payout_rate", BEGIN + 50.0)).max() == pytest.approx(0.0 if holds else 0.1)
 
 
 @pytest.mark.long

@@ -28,12 +28,13 @@ class Duty(IntEnum):
 
 
 class Phase(IntEnum):
-    """Who makes the order: the controller, the envelope with the raw motion, with a ramp to rest, with the brake."""
+    """Who makes the order: the controller, or the envelope: raw motion, ramp to rest, brake, drive at rest."""
 
     FREE = 0
     TAKEN = 1
     RAMP = 2
     HELD = 3
+    CAUGHT = 4
 
 
 class Cause(IntEnum):
@@ -63,11 +64,12 @@ class MoveKind(IntEnum):
 
 
 class DriveState(IntEnum):
-    """What the drive reports: nothing, a limit of its own, or its brake or a fault."""
+    """What the drive reports: nothing, a limit of its own, its brake, a fault."""
 
     DRIVE_FREE = 0
     DRIVE_LIMITED = 1
     DRIVE_RESTS = 2
+    DRIVE_FAILED = 3
 
 
 class Bit(IntFlag):
@@ -243,6 +245,7 @@ DRIFT = structure(
     Row("level", "m", "depth and that heave together, as it began; NaN: none yet"),
     Row("shown", "m", "the same now, smoothed"),
     Row("seen", "m", "`off` at the last reading of the depth sensor, smoothed likewise"),
+    Row("against", "m^2", "mean drift times what the depth went against it beyond half; below 0: creep"),
     Row("age", "s", "since that reading"),
 )
 

@@ -242,8 +242,7 @@ class KalmanFilter:
 
 
 Motion = tuple[Array, Array, Array, Array, int]
-"""F (n, n), B (n,), Q (n, n) of a tick, pull of the cable on the unit as a row on the state (n,), and index of the
-unit's heave rate."""
+"""F (n, n), B (n,), Q (n, n) of a tick, pull of the cable on the unit by state (n,), index of the unit's heave rate."""
 
 
 def follow(

@@ -95,7 +95,6 @@ def library() -> Any:
 READING_NAMES = tuple(row.name for row in READINGS.rows)
 """Names of what comes in at a tick, in their order."""
 
-
 EnvelopeOrder = named(ORDER)
 """What leaves in a tick, and why."""
 

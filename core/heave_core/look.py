@@ -24,7 +24,6 @@ from heave_core.modes_table import ATTEMPT_DESIGN, ATTEMPT_STATE
 
 Array = NDArray[np.float64]
 
-
 Motions = named(MOTIONS)
 """All motions at a tick."""
 

@@ -25,12 +25,8 @@ __all__ = ["ParameterError", "PointMotion", "RunParameters", "build_parameters",
 __getattr__, __dir__ = lazy_face(
     __name__,
     {
-        "ParameterError": "parameters",
+        **dict.fromkeys(("ParameterError", "build_parameters", "describe", "group", "parameter"), "parameters"),
         "PointMotion": "numerics.kinematics",
         "RunParameters": "run_parameters",
-        "build_parameters": "parameters",
-        "describe": "parameters",
-        "group": "parameters",
-        "parameter": "parameters",
     },
 )

@@ -24,18 +24,14 @@ AT_LIMIT = 0.999
 SNAP_LOW = 0.1
 SNAP_HIGH = 1.3
 SNAP_WINDOW = 2.0
-"""A snap is a tension below SNAP_LOW of the static one, followed by one above SNAP_HIGH of it within SNAP_WINDOW
-seconds.
-"""
+"""A snap is a tension below SNAP_LOW of the static one, then one above SNAP_HIGH of it within SNAP_WINDOW [s]."""
 
 WORSE_WINDOW = 60.0
 """Time over which the unit's motion is held against that of the uncompensated unit [s]."""
 WORSE_RATIO = 1.05
 """A unit is worse than off where its standard deviation is larger than so many times that of the uncompensated one."""
 WORSE_FLOOR = 0.02
-"""An uncompensated unit that moves less [m] counts as one that moves so: in calm water noise alone moves a unit that is
-held by millimetres, and a still one by none.
-"""
+"""An uncompensated unit that moves less [m] counts as one that moves so: noise alone moves a unit that is held."""
 
 
 def sigma(values: ArrayLike) -> float:
@@ -45,8 +41,7 @@ def sigma(values: ArrayLike) -> float:
 
 
 def efficiency(residual: float, reference: float) -> float:
-    """Return `1 - residual / reference` of two standard deviations; negative where compensation is harmful, NaN
-    without a reference.
+    """Return `1 - residual / reference` of two standard deviations; below 0 where harmful, NaN without a reference.
 
     Unit efficiency is `efficiency(s(z), s(z_off))`, outlet efficiency `efficiency(s(z0 - p), s(z0))`.
     """

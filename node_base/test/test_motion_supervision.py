@@ -36,6 +36,7 @@ def test_a_sound_drum_of_half_a_second_of_delay_and_lag_is_let_be():
         (lambda now: DrumReading(0.0, False, 0.0, 0.0, 1.0), "the brake does not open", TIME),
         (lambda now: DrumReading(0.0, True, 0.0, 0.0, 0.0), "the brake does not engage", TIME),
         (lambda now: DrumReading(0.0, True, 0.5 * now**2, 0.2 + now, 0.0), "the drum does not stop", TIME),
+        (lambda now: DrumReading(0.0, True, 0.12 * now, 0.12, 0.0), "the drum does not stop", TIME),
         (lambda now: DrumReading(0.0, True, 0.05 * now, 0.05, 1.0), "the brake does not hold", SLIPPED / 0.05),
         (lambda now: DrumReading(0.0, True, 0.02 * now, 0.02, math.nan), "the brake does not hold", SLIPPED / 0.02),
     ],

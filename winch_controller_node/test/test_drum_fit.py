@@ -184,6 +184,30 @@ def test_a_drum_that_begins_to_creep_is_no_other_scale_of_its_encoder(creep, siz
     assert FACTOR not in identify(record, PRIOR, NOMINAL).free
 
 
+@pytest.mark.parametrize("before_end", [1.6, 2.0, 3.0])
+@pytest.mark.parametrize("speed", [0.107, -0.15])
+def test_a_creep_beside_a_steady_speed_may_be_either_and_no_scale_of_the_encoder_is_found(speed, before_end):
+    """v + 0.035 m/s is 1.33 v as well: they differ by hundredths of a nat, and five decide."""
+    time = DT * np.arange(len(waves(30.0, 0.1)))
+    rates = np.interp(time, [20.0, 21.5], [0.0, speed])
+    readings, _ = driven(WinchParameters(), rates)
+    crept = 0.035 * np.maximum(time - (30.0 - before_end), 0.0)
+    record = recorded(rates, 1e-3 * np.round(1e3 * (readings + crept)))
+    assert FACTOR not in identify(record, PRIOR, NOMINAL).free
+
+
+@pytest.mark.parametrize("before_end", [3.0, 8.0, 14.0])
+@pytest.mark.parametrize(("gain", "size"), [(1.02, 0.8), (0.96, 0.4), (1.04, 0.8)])
+def test_a_drum_whose_gain_begins_to_drift_is_no_other_scale_of_its_encoder(gain, size, before_end):
+    """The count is the sum of the drum's steps times a gain that goes with time; a scale goes there at once."""
+    rates = waves(30.0, size)
+    _, states = driven(WinchParameters(), rates)
+    since = np.maximum(DT * np.arange(len(rates)) - (30.0 - before_end), 0.0)
+    steps = np.diff([state.payout for state in states], prepend=0.0)
+    readings = np.cumsum((1.0 + (gain - 1.0) * since / before_end) * steps)
+    assert FACTOR not in identify(recorded(rates, 1e-3 * np.round(1e3 * readings)), PRIOR, NOMINAL).free
+
+
 @pytest.mark.parametrize("before_end", [1.5, 3.0, 6.0, 11.0])
 @pytest.mark.parametrize("factor", [-1.0, 0.0, 0.2, 3.0])
 def test_an_encoder_that_is_reversed_still_or_of_another_kind_of_scale_is_no_scale_to_correct(

@@ -97,11 +97,6 @@ class WinchAdviserNode(ParticipantNode):
                 self.get_logger().error(f"no more answers: {error}")
             self._fault = str(error)
 
-    def publish_diagnostics(self, tick: Tick) -> None:
-        """Report in real time only: in lockstep how far it is behind at `tick` is chance."""
-        if not self.run.is_lockstep:
-            super().publish_diagnostics(tick)
-
     def diagnose(self) -> list[Health]:
         """Say how many answers were given, and whether more will come."""
         answered = {"answers": str(self.beliefs.published)}

@@ -184,7 +184,7 @@ KPI_DEFINITIONS: tuple[KpiDefinition, ...] = (
                 lambda w: largest(np.abs(w.acceleration)), needs="the acceleration of the drum"),
         _figure("time_at_speed_limit_percent", "time at the speed limit", lambda w: kpi.percent_true(w.at_speed_limit)),
         _figure("time_at_acceleration_limit_percent", "time at the acceleration limit",
-                lambda w: kpi.percent_true(w.at_acceleration_limit)),
+                lambda w: kpi.percent_true(w.at_acceleration_limit), needs="the acceleration of the drum"),
         _time_at(WinchLimit.PAYOUT, "time_at_payout_limit_percent", "at the end of its payout"),
         _time_at(WinchLimit.POWER, "time_at_power_limit_percent", "at the power limit"),
         _time_at(WinchLimit.TORQUE, "time_at_torque_limit_percent", "at the torque limit"),

@@ -334,13 +334,6 @@ class RecorderNode(ParticipantNode):
         if self.session.is_recording:
             self.session.split()
 
-    def publish_diagnostics(self, tick: Tick) -> None:
-        """Report the progress of recording at `tick`, in real time only: in lockstep it would describe the machine, not
-        the run.
-        """
-        if not self.run.is_lockstep:
-            super().publish_diagnostics(tick)
-
     def diagnose(self) -> list[Health]:
         """Report what is recorded and what cannot be."""
         return [recording_health(self.session, self.watch, self.session.state.problems)]

@@ -183,9 +183,12 @@ void count_way(const Design &design, State &state, double step, double sent, dou
     take_way(design, state, follows + motion_of(step - follows, large, state.off_step, state.off_runs), sent, time);
 }
 
+// Step of the count, as far as it is one: what it leaves unknown of a way [m].
+double step_of_count(const Bounds &bounds, const State &state) { return std::min(state.resolution, bounds.count_step); }
+
 // Way beyond which a drum runs [m]: what the steps of the count leave unknown of two ways is theirs.
 double stroke_limit(const Bounds &bounds, const State &state) {
-    return bounds.stroke_margin + 2.0 * std::min(state.resolution, bounds.count_step);
+    return bounds.stroke_margin + 2.0 * step_of_count(bounds, state);
 }
 
 namespace {
@@ -266,7 +269,7 @@ void rest_drum(State &state) {
 }
 
 // A drum under its brake: how far its count has gone since it came to rest, or became quicker again without. One large
-// step alone is a jump of the count; motion has another one beside it.
+// step alone is a jump of the count; motion has another one beside it, or is of steps of the count.
 void watch_brake(const Design &design, State &state, const Readings &readings, bool is_braked) {
     const Bounds &bounds = design.envelope;
     HeldDrum &held = state.held;
@@ -285,7 +288,8 @@ void watch_brake(const Design &design, State &state, const Readings &readings, b
     if (speed < bounds.rest_speed || is_faster || is_late) held.rests = 1.0;
     held.slowest = std::min(held.slowest, speed);
     if (held.rests == 0.0) return;
-    held.moved += motion_of(step, 0.5 * bounds.brake_margin, held.step, held.runs);
+    const double large = std::max(0.5 * bounds.brake_margin, 1.5 * step_of_count(bounds, state));
+    held.moved += motion_of(step, large, held.step, held.runs);
 }
 
 }  // namespace heave

@@ -87,7 +87,7 @@ void follow_allowance(const Design &design, State &state, const Readings &readin
 }
 
 void enter(State &state, Phase phase, Cause cause, double value, double limit) {
-    if (state.phase == FREE || phase == HELD) {
+    if (state.phase == FREE || phase >= HELD) {
         state.cause = cause;
         state.value = value;
         state.limit = limit;
@@ -101,15 +101,37 @@ double residual_limit(const Design &design, const State &state) {
     return design.envelope.drum_margin + design.envelope.drum_share * state.drum_travel;
 }
 
+// An emergency stop of the controller leaves the brake on, whatever it does: nothing is to move the drum.
+bool is_emergency_stop(const Readings &readings) { return int(readings.duty) == STOP && readings.brake != 0.0; }
+
+// A drum that its brake does not hold: a drive with power does, at an order of 0, as before the brake went on.
+void catch_drum(State &state, const Readings &readings, double off, double limit) {
+    const bool may_hold = readings.drive != DRIVE_FAILED && !is_emergency_stop(readings);
+    enter(state, may_hold ? CAUGHT : HELD, BRAKE_SLIPS, off, limit);
+}
+
+// Until the order to hold has reached the drum it slips on: where it then stands it is held.
+void follow_caught(const Design &design, State &state, const Readings &readings) {
+    if (state.phase != CAUGHT) return;
+    if (readings.drive == DRIVE_FAILED || is_emergency_stop(readings)) state.phase = HELD;
+    if (state.phase_time > design.winch.delay + design.envelope.count_time) return;
+    state.drum = state.prompt = Drum{state.count, 0.0};
+    rest_drum(state);
+}
+
 // A drum that does not do what was sent: brake at once, whoever makes the order.
-void watch_drum(const Design &design, State &state) {
+void watch_drum(const Design &design, State &state, const Readings &readings) {
     const Bounds &bounds = design.envelope;
-    if (state.cause == DRUM || state.cause == BRAKE_SLIPS || state.unproved > 0.0) return;
+    const bool is_known = state.cause == DRUM || (state.cause == BRAKE_SLIPS && state.phase != CAUGHT);
+    if (is_known || state.unproved > 0.0) return;
     const double stroke = stroke_limit(bounds, state);
     const bool runs = std::abs(state.runaway) > stroke;
     const double off = runs ? state.runaway : state.residual;
     const double limit = runs ? stroke : residual_limit(design, state);
-    if (std::abs(off) > limit) enter(state, HELD, state.held.time > 0.0 ? BRAKE_SLIPS : DRUM, off, limit);
+    if (!(std::abs(off) > limit)) return;
+    if (state.phase == CAUGHT) state.phase = HELD;  // nor does the drive hold it: the brake goes on again
+    else if (state.held.time > 0.0) catch_drum(state, readings, off, limit);
+    else enter(state, HELD, DRUM, off, limit);
 }
 
 // A braked drum that moves: nothing that was ordered explains it.
@@ -117,8 +139,10 @@ void watch_held_drum(const Design &design, State &state, const Readings &reading
     const bool is_braked = state.tick == 0 || state.sent[(state.tick - 1) % KEPT].brake != 0.0;
     watch_brake(design, state, readings, is_braked && (acts || readings.drive != DRIVE_FREE));
     if (state.held.rests != 0.0) rest_drum(state);
-    const double moved = state.held.moved, limit = design.envelope.brake_margin;
-    if (std::abs(moved) > limit && state.cause != BRAKE_SLIPS) enter(state, HELD, BRAKE_SLIPS, moved, limit);
+    // a count that rests between two steps goes to and fro by one
+    const double limit = std::max(design.envelope.brake_margin, 1.5 * step_of_count(design.envelope, state));
+    const double moved = state.held.moved;
+    if (std::abs(moved) > limit && state.cause != BRAKE_SLIPS) catch_drum(state, readings, moved, limit);
 }
 
 // Fade-out and compensation without the motion reference unit end in time; harm that the load cell shows ends too.
@@ -139,8 +163,8 @@ void watch_duty(const Design &design, State &state, const Readings &readings, do
 // A count that goes its own way for good: the load goes the other one, unless the depth sensor says that it does not.
 void watch_drift(const Design &design, State &state, const Readings &readings) {
     watch_depth(design, state, readings);
-    const double limit = drift_limit(design.envelope, state);
-    if (std::abs(state.drift.off) > limit) confirm_count(state);
+    const double limit = drift_limit(design, state);
+    if (std::abs(state.drift.off) > limit) confirm_count(design, state);
     if (std::abs(state.drift.off) > limit && state.phase == FREE) enter(state, TAKEN, DRIFT, state.drift.off, limit);
 }
 
@@ -245,7 +269,7 @@ void envelope(const Design &design, State &state, const Readings &readings, Orde
     const double off = std::abs(state.load_jump - state.load_known);
     if (off > bounds.load_step * design.cable.static_tension) order.bits += LOAD_IS_OFF;
     order.harm = observe_load(design, state, readings);
-    if (readings.acknowledged != 0.0 && state.phase == HELD && state.drum.rate == 0.0) {
+    if (readings.acknowledged != 0.0 && state.phase >= HELD && state.drum.rate == 0.0) {
         state.phase = FREE;
         state.cause = NOTHING;
         state.bound = state.harm_time = state.follow_time = state.held.moved = 0.0;
@@ -253,7 +277,8 @@ void envelope(const Design &design, State &state, const Readings &readings, Orde
     }
     watch_strokes(design, state);
     watch_held_drum(design, state, readings, travelled.is_braked);
-    watch_drum(design, state);
+    follow_caught(design, state, readings);
+    watch_drum(design, state, readings);
     watch_duty(design, state, readings, order.harm);
     watch_drift(design, state, readings);
 
@@ -270,7 +295,7 @@ void envelope(const Design &design, State &state, const Readings &readings, Orde
 
     double speed = asked.speed;
     bool brake = readings.brake != 0.0;
-    if (brake && state.phase != FREE) state.phase = HELD;
+    if (brake && state.phase != FREE && state.phase != CAUGHT) state.phase = HELD;
     if (state.phase == FREE && stops) {
         const double most = ramp(design, state) + bounds.stop_margin;
         speed = clip(asked.speed, -most, most);
@@ -287,18 +312,19 @@ void envelope(const Design &design, State &state, const Readings &readings, Orde
         speed = std::copysign(ramp(design, state), state.last_speed);
         if (state.rest_time > 0.0) state.phase = HELD;
     }
-    brake = brake || state.phase == HELD;
+    const bool holds = state.phase == CAUGHT;
+    brake = !holds && (brake || state.phase == HELD);
 
     order.payout = readings.payout;
     order.rate = readings.rate;
     order.brake = brake;
-    if (!is_finite) {
+    if (!is_finite || holds) {
         order.payout = by_payout ? ahead : 0.0;
         order.rate = 0.0;
     }
     if (brake && readings.brake == 0.0) order.rate = 0.0;
-    else if (!brake && (speed != asked.speed || !is_finite)) set_speed(design.winch, speed, ahead, order.payout, order.rate);
-    state.last_speed = brake ? 0.0 : speed;
+    else if (!brake && !holds && (speed != asked.speed || !is_finite)) set_speed(design.winch, speed, ahead, order.payout, order.rate);
+    state.last_speed = brake || holds ? 0.0 : speed;
     state.phase_time += design.tick_period;
     state.sent[state.tick % KEPT] = Sent{order.payout, order.rate, order.brake, move};
     state.tick += 1;

@@ -34,6 +34,7 @@ void take_way(const Design &design, State &state, double way, double sent, doubl
 void count_way(const Design &design, State &state, double step, double sent, double time);
 void forget_strokes(State &state);
 double stroke_limit(const Bounds &bounds, const State &state);
+double step_of_count(const Bounds &bounds, const State &state);
 void watch_strokes(const Design &design, State &state);
 void rest_drum(State &state);
 void watch_brake(const Design &design, State &state, const Readings &readings, bool is_braked);
@@ -56,9 +57,9 @@ struct Ship {
 void observe_mru(const Design &design, State &state, const Readings &readings);
 Ship ship_of(const Design &design, const State &state);
 bool has_load(const Design &design, const State &state);
-double drift_limit(const Bounds &bounds, const State &state);
+double drift_limit(const Design &design, const State &state);
 void watch_depth(const Design &design, State &state, const Readings &readings);
-void confirm_count(State &state);
+void confirm_count(const Design &design, State &state);
 int observe_count(const Design &design, State &state, const Readings &readings, const Travelled &travelled);
 double load_step(const Design &design, State &state, const Readings &readings, const Ship &ship);
 double observe_load(const Design &design, State &state, const Readings &readings);

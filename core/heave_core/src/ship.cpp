@@ -88,11 +88,12 @@ double swing_of(const Cable &cable, const State &state) {
     return stretch * std::min(std::sqrt(state.measured.variance), cable.static_tension) / cable.stiffness;
 }
 
-// The unit on the nominal cable, a z'' + b z' + z = `top`, for a tick by the trapezoidal rule; a goes with the length.
-void move_unit(const Design &design, double payout, double top, double &heave, double &heave_rate) {
+// The unit on the nominal cable, a z'' + b z' + z = `top`, for a tick by the trapezoidal rule; a goes with the length, and b is
+// no less than a share of sqrt(a).
+void move_unit(const Design &design, double payout, double top, double &heave, double &heave_rate, double share = 0.0) {
     const Cable &cable = design.cable;
     const double dt = design.tick_period, a = cable.inertia * std::max(1.0 + payout / cable.length, 0.01);
-    const double b = std::max(cable.damping, cable.drag * std::abs(heave_rate));
+    const double b = std::max({cable.damping, cable.drag * std::abs(heave_rate), share * std::sqrt(a)});
     const double h = 0.5 * dt / a, heavier = 1.0 + h * (b + 0.5 * dt), lighter = 1.0 - h * (b + 0.5 * dt);
     const double rate = (lighter * heave_rate + 2.0 * h * (top - heave)) / heavier;
     heave += 0.5 * dt * (heave_rate + rate);
@@ -110,6 +111,9 @@ void follow(Spread &spread, double value, double weight) {
 
 // Whose the drift of the count is, the depth sensor can tell: it goes as the nominal unit does, whose payout is the count,
 // where the drum creeps, and the other way than the drift where the count does. Both are smoothed alike, from where they were.
+// A scale of the count and a motion reference unit that wanders show in the waves as well: D (D_z - D / 2) of the drift D and
+// of the way D_z that the depth goes against it is below 0 where the drum creeps, above where the count drifts, in the mean.
+// That unit is damped by half of what is critical: in one that rings for minutes they would add up.
 void watch_depth(const Design &design, State &state, const Readings &readings) {
     const Bounds &bounds = design.envelope;
     Drift &drift = state.drift;
@@ -119,7 +123,8 @@ void watch_depth(const Design &design, State &state, const Readings &readings) {
     drift.time = follows ? drift.time + dt : 0.0;
     drift.age += dt;
     for (double *one : {&drift.off, &drift.way, &drift.seen}) *one *= follows ? left : 0.0;
-    move_unit(design, state.position, state.heave - state.position, drift.heave, drift.heave_rate);
+    if (!follows) drift.against = 0.0;
+    move_unit(design, state.position, state.heave - state.position, drift.heave, drift.heave_rate, 1.0);
     if (!std::isfinite(readings.depth)) return;
     const double level = readings.depth + drift.heave;
     if (!std::isfinite(drift.level)) drift.level = drift.shown = level;
@@ -128,25 +133,35 @@ void watch_depth(const Design &design, State &state, const Readings &readings) {
     drift.seen += share * (drift.off - drift.seen);
     if (follows) drift.level += (1.0 - left) * drift.age / dt * (drift.shown - drift.level);
     else drift.level += -std::expm1(-drift.age / bounds.bound_window) * (drift.shown - drift.level);
+    const double against = drift.seen * (drift.level - drift.shown - 0.5 * drift.seen);
+    drift.against += -std::expm1(-drift.age / bounds.travel_time) * (against - drift.against);
     drift.age = 0.0;
 }
 
+// Whether the depth has gone against the drift in the mean, and so the count drifts. Of a load that swings the nominal one may
+// be as far off by another inertia alone: of a wave at its own frequency a mean over T leaves sqrt(a)/T.
+static bool is_against(const Design &design, const State &state) {
+    const double left = swing_of(design.cable, state) * std::sqrt(2.0 * design.cable.inertia) / design.envelope.travel_time;
+    return !(state.drift.against < std::abs(state.drift.seen) * left);
+}
+
 // What the depth sensor has seen of the drift is the drum's, if it has not gone along.
-void confirm_count(State &state) {
+void confirm_count(const Design &design, State &state) {
     Drift &drift = state.drift;
-    if (!((drift.level - drift.shown) * drift.seen < 0.5 * drift.seen * drift.seen)) return;
+    if (is_against(design, state)) return;
     drift.off -= drift.seen;
-    drift.way = drift.seen = 0.0;
-    drift.level = drift.shown;
+    drift.way = drift.seen = drift.against = 0.0;
 }
 
 // Drift that a drive may have: it may be late, and of another gain, as that of the last second may; one against which the
-// depth sensor has gone as far is the encoder's [m].
-double drift_limit(const Bounds &bounds, const State &state) {
+// depth sensor has gone as far, and further than the load swings by the load cell, is the encoder's [m].
+double drift_limit(const Design &design, const State &state) {
+    const Bounds &bounds = design.envelope;
     const Drift &drift = state.drift;
     const double against = std::copysign(1.0, drift.off) * (drift.level - drift.shown);
-    const double unlike = against > bounds.travel_margin ? 0.0 : bounds.drum_share * (state.drum_travel + std::abs(drift.way));
-    return bounds.travel_margin + unlike;
+    const bool is_far = against > bounds.travel_margin + swing_of(design.cable, state);
+    const double unlike = bounds.drum_share * (state.drum_travel + std::abs(drift.way));
+    return bounds.travel_margin + (is_far && is_against(design, state) ? 0.0 : unlike);
 }
 
 // Whether a count that has jumped goes along with the drum again: on a way, or for a window, in which it strays no more than
@@ -181,7 +196,7 @@ int observe_count(const Design &design, State &state, const Readings &readings, 
     // a unit that is let go by a stop swings, and what takes that out is more than the ship does (a limit of the drive lets
     // nothing go: orders that hit it must not widen their own bounds); how far a fade-out has left it swinging, the load
     // cell shows
-    const bool lets_go = travelled.is_braked || readings.drive == DRIVE_RESTS || int(readings.duty) == STOP;
+    const bool lets_go = travelled.is_braked || readings.drive >= DRIVE_RESTS || int(readings.duty) == STOP;
     const bool begins = lets_unit_swing(Duty(int(state.duty)), Duty(int(readings.duty)));
     if ((lets_go && state.drum.rate != 0.0) || (begins && !has_load(design, state))) state.seen_time = 0.0;
     // what swings under a locked winch as following begins is stopped by more than the ship does
@@ -246,7 +261,7 @@ int observe_count(const Design &design, State &state, const Readings &readings, 
     }
     // a drum that stops by itself may be anywhere between rest and what was sent; where its count was lost meanwhile, also
     // the last order that came to it may have gone on
-    const bool went_on = readings.drive == DRIVE_RESTS && time > bounds.count_time;
+    const bool went_on = readings.drive >= DRIVE_RESTS && time > bounds.count_time;
     const double expected = went_on ? step : is_held ? clip(step, std::min(sent, 0.0), std::max(sent, 0.0)) : sent;
     state.drum_travel += std::abs(sent);
     // a drum that suddenly goes otherwise than sent makes steps of its own in the load

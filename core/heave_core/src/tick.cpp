@@ -46,7 +46,7 @@ int prove(const Control &on) {
     seen.winch_time = given.winch_time;
     seen.encoder = given.encoder;
     seen.encoder_rate = given.encoder_rate;
-    seen.is_braked = on.done->sequence == 0.0 || on.acting.done->brake != 0.0;
+    seen.is_braked = on.done->sequence == 0.0 || on.acting.done->brake != 0.0 || given.cause == BRAKE_SLIPS;
     seen.waits = mode.mode == IN_STANDBY && mode.wants;
     seen.hangs = hangs(*on.supervising.landing_state);
     seen.has_mru = !is_mru_lost(on);
@@ -189,7 +189,8 @@ void read_raw(const Control &on) {
         readings.count = given.encoder;
         // times of ticks are rounded otherwise than stamps
         readings.count_age = 1e-6 * std::nearbyint(1e6 * (given.number * on.sense->tick_period - given.winch_time));
-        if (given.brake != 0.0 || given.fault != 0.0) readings.drive = DRIVE_RESTS;
+        if (given.fault != 0.0) readings.drive = DRIVE_FAILED;
+        else if (given.brake != 0.0) readings.drive = DRIVE_RESTS;
         else if (given.limits_hit != 0.0) readings.drive = DRIVE_LIMITED;
     }
     const int mode = on.supervising.mode->mode;

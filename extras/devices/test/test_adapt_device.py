@@ -6,6 +6,7 @@ import pty
 import tty
 from types import SimpleNamespace
 
+import numpy as np
 import pytest
 import yaml
 from builtin_interfaces.msg import Time
@@ -382,6 +383,35 @@ def test_a_silence_is_put_down_to_what_comes_now_and_not_to_what_came_once(data,
     if data:
         device._on_bytes(data, True)
     assert words in stale_words(device, clock.now, before)
+
+
+@pytest.mark.parametrize(
+    ("sent", "entry", "words"),
+    [
+        (math.floor, {"unit": "s"}, "times too coarse +19"),
+        (lambda t: round(1e3 * t), {"unit": "s"}, "runs 1e+03 times as fast as time passes: check unit and scale"),
+        (lambda t: 17, {"unit": "s"}, "its own time stands still: check unit and scale of the map's device_time"),
+        (lambda t: round(1e3 * t), {"unit": "ms"}, ""),
+    ],
+)
+def test_a_time_that_is_none_or_too_coarse_is_named_and_no_sample_is_refused_for_it(
+    sent, entry, words, clock, monkeypatch
+):
+    monkeypatch.setattr("heave_devices.adapt.report.time", clock)
+    node, content = Node(), {"source": {"udp": free_port("udp")}, "format": "line", "pattern": "(?P<t>.+) (?P<z>.+)"}
+    device = LiveDevice(device_map_of("m", content | {"device_time": {"field": "t"} | entry, "heave": "z"}), node)
+    before = {}
+    for k in range(200):
+        before = figures_of(device) if k == 180 else before
+        device._on_bytes(f"{sent(clock.now)} {math.sin(0.05 * k):.3f}\r\n".encode(), True)
+        clock.now += 0.05
+    stamps = [deserialize_message(data, MruSample).header.stamp for data in node.sent["mru"]]
+    times = [stamp.sec + 1e-9 * stamp.nanosec for stamp in stamps]
+    assert len(times) == 200
+    assert min(np.diff(times)) > 0.0
+    health = health_of(device, before)
+    assert words in health.message if words else health.level is Level.OK
+    device.close()
 
 
 def test_a_field_that_the_command_does_not_have_is_refused_at_the_start():

@@ -72,3 +72,23 @@ def test_a_delay_is_no_restart(delay):
         own = 7.0 + 0.02 * k
         assert clock.time(own, max(own, 8.0 + delay) if own > 8.0 else own) == own
     assert clock.restarts == 0
+
+
+def test_while_a_clock_of_whole_seconds_stands_the_arrivals_count():
+    """20 Hz, delays of up to 20 ms: no time is off by more than a step of the samples and their delay."""
+    rng = np.random.default_rng(7)
+    taken = 100.013 + np.arange(1200) / RATE
+    clock = DeviceClock()
+    times = np.array([clock.time(float(np.floor(t)), t + rng.uniform(0.0, 0.02)) for t in taken])
+    assert np.all(np.diff(times) > 0.0), "none is refused for a time that came before"
+    assert np.ptp(times - taken) < 1.0 / RATE + 0.02
+    assert clock.standing == 1200 - np.unique(np.floor(taken)).size
+
+
+@pytest.mark.parametrize(("scale", "restart"), [(1.0, 0.0), (1000.0, 0.0), (1e-3, 0.0), (1.0, 50.0), (0.0, 0.0)])
+def test_a_clock_of_another_unit_is_known_by_its_rate_and_one_that_restarts_is_not(scale, restart):
+    clock = DeviceClock()
+    for k in range(200):
+        now = 7.0 + 0.05 * k
+        clock.time(scale * (now - (restart if k > 100 else 0.0)), now)
+    assert clock.rate == pytest.approx(scale, abs=1e-9)

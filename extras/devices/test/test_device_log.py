@@ -161,6 +161,14 @@ def test_a_time_that_is_wrong_costs_its_sample_alone(tmp_path, places):
     assert any(note.startswith(f"heave: {len(places)} sample") and "goes back by" in note for note in sea.notes)
 
 
+def test_samples_on_whole_seconds_are_spread_over_them(tmp_path):
+    text = "".join(f"T{math.floor(BEGUN.timestamp() + t + 0.04)} H{up(t):.4f}\n" for t in TIMES)
+    mapping = "format: line\npattern: 'T(?P<s>[0-9]+) H(?P<h>[-0-9.]+)'\nheave: h\ndevice_time: {field: s, unit: s}\n"
+    sea = imported(tmp_path, text, mapping, "mru.log")
+    assert_is_the_sine(sea)
+    assert "time: 10 rows on each stamp, spread evenly over 1 s" in sea.notes
+
+
 def test_a_log_of_datagrams_is_read_by_their_layout_and_their_counter_that_wraps(tmp_path):
     """A counter of 16 bits in 10 ms wraps each 655 s; 0x8000 is no heave."""
     data = b"".join(

@@ -261,6 +261,9 @@ def test_angles_in_degrees_are_asked_for(tmp_path):
         (("gps_status", "A", "V"), {"valid": "gps_status"}),
         (("status", "1", "4"), {"valid": "status", "invalid_bits": 4}),
         (("status", "0x0001", "0x8001"), {"valid": "status", "invalid_bits": 0x8000}),
+        (("status", "3", "9"), {"valid": "status", "valid_values": (3.0, 6.0)}),
+        (("state", "ST", "US"), {"valid": "state", "valid_values": ("ST",)}),
+        (("status", "1", "nan"), {"valid": "status"}),
     ],
 )
 def test_samples_that_the_log_calls_invalid_are_gaps(tmp_path, valid, channel):

@@ -212,6 +212,10 @@ def test_a_map_that_names_what_the_plc_does_not_have_is_told_in_one_line(kind, c
         (("watchdog: 'input:5'", "watchdog: 'input:7'"), "watchdog has not counted for"),
         (("fault: 'input:4.1'", "fault: 'input:4.0'"), "the drive reports a trip"),
         (("'holding:3': watchdog", "'holding:3': brake"), "the map sends it no watchdog"),
+        (("'holding:3': watchdog", "'holding:9': watchdog"), "and where the map sends its watchdog"),
+        (("brake: 'input:4.0'", "brake: 'input:4.2'"), "the brake does not engage"),
+        (("'holding:2.0': enable", "'holding:2.2': enable"), "check the map's brake, and enable in the command"),
+        (("'holding:0:int32'", "'holding:0:int32:little'"), "Check unit and scale, kind and word_order"),
     ],
 )
 def test_a_move_of_millimetres_shows_a_wrong_sign_and_stops_at_a_wrong_scale(change, words, plc_of, bench_of):

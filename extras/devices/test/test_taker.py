@@ -140,6 +140,16 @@ def test_a_value_beyond_the_plausible_is_no_zero():
     assert sent == [{}, {"payout": 0.0}, {"payout": 2.0}]
 
 
+@pytest.mark.parametrize(("order", "hint"), [("big", ""), ("little", "with word_order: big it moved by +0.0001 m")])
+def test_a_fine_count_in_the_other_order_is_known_by_how_far_it_went_since_it_was_asked(order, hint):
+    """One of micrometres: swapped, each is 65.5 mm, which a drum may do; its last reading has not moved."""
+    entry = {"field": "input:0:int32", "unit": "mm", "scale": 0.001}
+    taker = Taker(device_map_of("m", {"source": {"modbus": "1", "word_order": order}, "payout": entry}))
+    counts = [count if order == "big" else with_words_swapped("int32", count) for count in (2_000, 2_100, 2_100)]
+    payouts = [taker.of_sample(Sample("MODBUS", {"input:0:int32": n}), 0.0).values["payout"] for n in counts]
+    assert taker.jump_in_other_order("payout", payouts[-1] - payouts[0], counts[0]) == hint
+
+
 @pytest.mark.parametrize(
     ("kind", "sent", "order", "hint"),
     [

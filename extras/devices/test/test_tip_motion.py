@@ -38,15 +38,32 @@ def carried(with_rates, end=900.0, step=0.05):
 
 def test_heave_and_rate_are_carried_by_the_attitude_and_its_rates():
     mean = np.mean([raised(t) for t in np.arange(0.0, 2000.0, 0.05)])
-    for t, heave, rate in carried(with_rates=True):
+    for t, heave, rate, sigma in carried(with_rates=True):
+        assert sigma == 0.0, "nothing is added to that of the sensor"
         # the running mean follows a wave by 1 / (omega tau) of its amplitude of 1.6 m: 1 / (0.55 * 300)
         assert heave == pytest.approx(0.1 + raised(t) - mean, abs=0.015)
         assert rate == pytest.approx(0.2 + rate_of(raised, t), abs=1e-6)
 
 
 def test_without_turn_rates_the_rate_follows_from_the_attitude():
-    for t, _, rate in carried(with_rates=False, end=60.0):
+    for t, _, rate, _ in carried(with_rates=False, end=60.0):
         assert rate == pytest.approx(0.2 + rate_of(raised, t), abs=0.02)
+
+
+@pytest.mark.parametrize("noise", [3e-4, 1e-3])
+@pytest.mark.parametrize("rate", [10.0, 25.0, 50.0])
+def test_the_noise_of_the_attitude_is_in_the_uncertainty_of_the_rate(noise, rate):
+    """The slope of a parabola through n readings over T is sqrt(192 / n) s / T uncertain at its end, s their noise."""
+    tip, rng = TipMotion(ARM), np.random.default_rng(1)
+    found = []
+    for t in np.arange(0.0, 120.0, 1.0 / rate):
+        read = tuple(np.array(attitude(t)) + rng.normal(0.0, noise, 2))
+        _, carried_rate, sigma = tip.carry(t, 0.0, 0.0, read, NAN)
+        found.append((carried_rate - rate_of(raised, t), sigma))
+    error, sigma = np.array(found[100:]).T
+    assert np.median(sigma) == pytest.approx(error.std(), rel=0.15)
+    size = noise * math.hypot(*ARM[:2])
+    assert np.median(sigma) == pytest.approx(math.sqrt(192.0 / (0.6 * rate)) / 0.6 * size, rel=0.25)
 
 
 def test_trim_and_list_do_not_lift_the_tip():

@@ -16,6 +16,7 @@ from heave_msgs.srv import StepSimulation
 from rclpy.duration import Duration
 from rclpy.lifecycle import LifecycleState, TransitionCallbackReturn
 from rclpy.publisher import Publisher
+from rclpy.timer import Timer
 from std_srvs.srv import SetBool, Trigger
 
 from heave_node.cdr.packer import Packer
@@ -115,6 +116,9 @@ class ClockMasterNode(HeaveNode):
         self.create_service(StepSimulation, "simulation/step", self._serve_step)
         self.create_service(Trigger, "simulation/reset", self._serve_reset)
         self.create_timer(SUPERVISION_PERIOD, self._supervise, clock=steady_clock())
+        # made here: an executor that takes in a new timer serves nobody meanwhile, for up to 0.1 s
+        self._wall_clock: Timer = self.create_timer(self.run.tick_period, self._follow_wall_clock, clock=steady_clock())
+        self._wall_clock.cancel()
 
     def _on_join(self, message: TickJoin, identity: str) -> None:
         expect_no(malformed.fault_in_join(message))
@@ -202,7 +206,7 @@ class ClockMasterNode(HeaveNode):
             self._begin_run()
             if not self.run.is_lockstep:
                 self._clock_started_at = time.monotonic()
-                self.create_timer(self.run.tick_period, self._follow_wall_clock, clock=steady_clock())
+                self._wall_clock.reset()
 
     def _on_other_hosts(self) -> dict[str, str]:
         """Return the names of the participants on other hosts, with the names of these."""
@@ -302,10 +306,11 @@ class ClockMasterNode(HeaveNode):
         self.fail_on_error(lambda: self._publish_readings(tick))
         if not self.failure:
             self._send_start(tick, flush=False)
+            self.fail_on_error(lambda: self.report(tick, is_answered=True))
 
     def _publish_readings(self, tick: Tick) -> None:
         self.on_readings(tick)
-        self.publish_diagnostics(tick)
+        self.report(tick, is_answered=False)
 
     def _send_start(self, tick: Tick, *, flush: bool) -> None:
         carried = self.take_carried()

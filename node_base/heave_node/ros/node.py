@@ -224,6 +224,15 @@ class HeaveNode(PortedNode):
         key = time_key(time)
         self._asked[key] = f"{self._asked[key]}, {words}" if key in self._asked else words
 
+    def report(self, tick: Tick, *, is_answered: bool) -> None:
+        """Publish the health of this node: with its part of `tick`, or in real time after it, where nobody waits.
+
+        How far a node is behind that lags is chance in lockstep: it would describe the machine, not the run.
+        """
+        is_due = not (is_answered or self.lag) if self.run.is_lockstep else is_answered
+        if is_due:
+            self.publish_diagnostics(tick)
+
     def publish_diagnostics(self, tick: Tick) -> None:
         """Publish the health of this node if it is due at `tick`: once per simulated second, strangers at once."""
         every = max(1, round(DIAGNOSTICS_PERIOD / self.run.tick_period))

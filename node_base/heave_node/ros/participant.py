@@ -296,6 +296,8 @@ class ParticipantNode(HeaveNode):
         self._answer(start, is_due=start.flush or self.answers(start.tick))
         if not self.run.is_lockstep:
             self.own_time.ended(1e-9 * (self.clock_of_run.now(time.monotonic_ns()) - start.stamp))
+            if self.is_active and not start.flush:
+                self.fail_on_error(lambda: self.report(tick, is_answered=True))
         if not self._starts and not start.flush and start.tick < self.run.tick_count:
             self.fail_on_error(lambda: self.prepare(start.tick + 1))
         after_tick()
@@ -304,7 +306,7 @@ class ParticipantNode(HeaveNode):
     def _do_tick(self, tick: Tick) -> None:
         if self.is_active:
             self.on_tick(tick)
-            self.publish_diagnostics(tick)
+            self.report(tick, is_answered=False)
         else:
             self.gate.clear()
             self.on_inactive_tick(tick)

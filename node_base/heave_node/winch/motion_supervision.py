@@ -23,7 +23,7 @@ ORDERED = 0.05
 STANDING = 0.01
 """A drum slower than this stands [m/s]."""
 SLOW = 0.1
-"""A drum that is to brake is held by its brake below this speed [m/s], and has not got faster by so much before."""
+"""A drum that is to brake is held by its brake below this speed [m/s]."""
 SLIPPED = 0.05
 """A drum that has moved so far with its brake engaged slips [m]."""
 UNSEEN = 1.0
@@ -50,7 +50,7 @@ class MotionSupervision:
     Attributes
     ----------
     found : what was found last, in words; "": nothing yet
-    is_slipping : that was a drum that its brake does not hold
+    is_slipping : that was a drum which its brake was to hold
     """
 
     def __init__(self, time: float) -> None:
@@ -65,15 +65,15 @@ class MotionSupervision:
         """Return what is wrong with the `drum` at `now` [s], in words; "": nothing. What lasts is returned again."""
         if not self._time:
             return ""
-        self._slowest = min(self._slowest, abs(drum.payout_rate)) if drum.is_braked else math.inf
         late, broken = "", self._broken(drum)
+        self._slowest = min(self._slowest, abs(drum.payout_rate)) if drum.is_braked else math.inf
         self._since = {words: self._since.get(words, now) for words in broken} if broken else {}
         if broken and (late := next((words for words in broken if now - self._since[words] > self._time), "")):
             self._since.pop(late)
         slip = self._slip(drum)
         found = late or slip or self._far(now, drum)
         if found:
-            self.found, self.is_slipping = found, bool(slip)
+            self.found, self.is_slipping = found, drum.is_braked
         return found
 
     def _far(self, now: float, drum: DrumReading) -> str:
@@ -91,7 +91,7 @@ class MotionSupervision:
             "the drum stands against the command": is_ordered and stands,
             "the brake does not open": not drum.is_braked and math.isfinite(drum.brake) and bool(drum.brake),
             "the brake does not engage": drum.is_braked and abs(drum.payout_rate) < SLOW and drum.brake == 0.0,
-            "the drum does not stop": drum.is_braked and abs(drum.payout_rate) > self._slowest + SLOW,
+            "the drum does not stop": drum.is_braked and abs(drum.payout_rate) >= max(SLOW, self._slowest),
         }
         return [words for words, is_broken in rules.items() if is_broken]
 

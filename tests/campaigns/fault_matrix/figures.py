@@ -32,7 +32,12 @@ class Bar:
 
 BARS = (
     Bar("drum within the envelope", lambda _: True, lambda one: one.envelope <= NEAR, 1.0),
-    Bar("travel within the heave of the minute + 0.3 m", lambda _: True, lambda one: one.travel <= 1.0, 0.999),
+    Bar(
+        "travel within the heave of the minute + 0.3 m",
+        lambda _: True,
+        lambda one: one.travel <= max(1.0, one.without),
+        0.999,
+    ),
     Bar(
         f"unit at most {LARGEST_UNIT:g} times the locked one",
         lambda one: math.isfinite(one.unit),

@@ -35,6 +35,9 @@ LARGEST_UNIT = 1.3
 ORDERLY, SUDDEN = 0.5, 0.05
 """Deceleration of an orderly stop [m/s^2]; speed beyond that from which a drum comes to rest at once [m/s]."""
 
+TAKES_EFFECT = 1.0
+"""Time in which an order to brake takes effect, its delay included [s]."""
+
 SHOWN = 0.1
 """Way of the drum, made or ordered, that shows a fault of what moves it [m]."""
 
@@ -154,6 +157,27 @@ def stopped_at_once(time: Array, rate: Array, begin: float, rest: float) -> floa
     left = begin + rest - time
     found = time[(time >= begin) & (left > 0.0) & (np.abs(rate) > ORDERLY * left + SUDDEN)]
     return float(found[-1]) - begin if found.size else math.inf
+
+
+def past_brake(time: Array, payout: Array, ordered: Array, only_brake: Array) -> Array:
+    """Return how far the drum has run past a brake that alone may hold it, up to each tick [m].
+
+    It counts from when on a brake that holds would have brought the drum to rest. No order acts on that: after an
+    emergency stop, or a fault of the drive, there is none but the brake.
+
+    Parameters
+    ----------
+    time, payout : of each tick [s], [m]; shapes (n,)
+    ordered : rate that the drive was sent [m/s], NaN: to brake; shape (n,)
+    only_brake : nothing else may hold the drum, shape (n,)
+    """
+    rate, held = np.gradient(payout, time), np.isnan(ordered)
+    begins = held & ~np.concatenate([[False], held[:-1]])
+    begin = np.maximum.accumulate(np.where(begins, np.arange(time.size), 0))
+    before = np.abs(rate[np.maximum(begin - 1, 0)])
+    holds = time - time[begin] > before / ORDERLY + TAKES_EFFECT
+    found: Array = np.cumsum(np.where(held & holds & only_brake, np.gradient(payout), 0.0))
+    return found
 
 
 def _way(time: Array, asked: Asked, begin: float) -> Array:

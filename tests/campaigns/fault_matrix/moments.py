@@ -56,12 +56,14 @@ class Session:
     loop, wires : it, and what lies between its components
     asked : what an operator or the programme has asked of the drum
     brake, ordered : at each tick: the brake is on; rate that the drive was sent [m/s], NaN: to brake
+    only_brake : at each tick: nothing but the brake may hold the drum, after an emergency stop or a fault of the drive
     """
 
     scenario: Scenario
     asked: Asked = field(default_factory=Asked)
     brake: list[bool] = field(default_factory=list)
     ordered: list[float] = field(default_factory=list)
+    only_brake: list[bool] = field(default_factory=list)
 
     def __post_init__(self) -> None:
         self.loop = ClosedLoop(loop_parameters(self.scenario))
@@ -99,6 +101,7 @@ class Session:
         state = self.loop.winch.state
         self.brake.append(state.brake)
         self.ordered.append(self.wires.ordered)
+        self.only_brake.append(state.fault is not WinchFault.NONE or self.mode == "emergency_stop")
         if state.fault is not self._fault and state.fault is not WinchFault.NONE:
             alarm = fault_alarm(state.fault, state.release, brake=state.brake, cause=self.loop.winch.supervised)
             self._alarms.append((state.time, alarm))

@@ -16,6 +16,7 @@ from typing import Any
 
 from tests.campaigns.fault_matrix.cases import Cell
 from tests.campaigns.fault_matrix.figures import BARS, COLUMNS, GROUPS, Ran, breaches, cells_of, kept, worst
+from tests.campaigns.fault_matrix.judge import LARGEST_UNIT, MARGIN
 from tests.campaigns.fault_matrix.run import Outcome
 
 ROOT = Path(__file__).parents[3]
@@ -23,6 +24,9 @@ RESULTS = ROOT / "docs" / "fault_matrix.json"
 
 NUMBERS = ("named", "rest", "travel", "envelope", "unit", "tension", "slack", "rate")
 """Figures of a case in its row, after the values of `GROUPS`."""
+
+LATER = ("stopped", "without", "past_brake")
+"""Figures at the end of a row, of which older results have the first or none."""
 
 HEAD = """# Every fault in every mode
 
@@ -35,11 +39,20 @@ values as assumed or with one that differs. Generated from `docs/fault_matrix.js
 | envelope | drum speed up to 1.5 times the boom tip's in a minute + 0.25 m/s, travel 1.5 times its heave + 0.3 m |
 | travel | drum travel from fault to rest, beyond the requested move: at most the heave of the last minute + 0.3 m |
 | unit | load motion from 10 s after the fault on: at most 1.3 times that with the winch locked |
+| travel, otherwise | where the drum goes on: at most as far as in the same run without the fault |
 | unit, otherwise | at most 1.3 times the same run without the fault, stopped at once where the drum was |
 | named | an alarm names the faulty part (of faults that have an effect) |
 | not blamed | no alarm names a healthy part |
+| past the brake | drum travel under an ordered brake that does not hold: left out of the three above where no command |
+| | acts on it, after an emergency stop and with a drive that reports a fault |
 | alarm, rest | time from the fault: median, largest |
 | largest | travel as a multiple of its limit / load motion as a multiple of that with the winch locked |
+
+Load motion is the standard deviation of heave over each minute from 10 s after the fault on. It is divided by that of
+the same load in the same sea with the winch locked, which is simulated alongside; the largest ratio counts. A drum that
+stops at once lets the load swing for minutes, whatever stopped it. Where the ratio exceeds 1.3, the run is repeated
+from the same state without the fault, with an emergency stop at the moment when the fault stopped the drum, if it did.
+The fault may then add at most 30 %.
 
 A fault without effect (a reversed drive while the brake holds) need not be named. Faults of network, PLC and recorder
 are not included, because they need more than one process.
@@ -66,7 +79,7 @@ def row_of(one: Cell, found: Outcome) -> list[Any]:
         list(found.alarms[:6]),
         words,
         found.failure,
-        _number(found.stopped),
+        *(_number(getattr(found, name)) for name in LATER),
     ]
 
 
@@ -82,8 +95,8 @@ def shown_of(row: Sequence[Any]) -> tuple[Shown, Outcome]:
     numbers: dict[str, Any] = {
         name: float("nan" if value is None else value) for name, value in zip(NUMBERS, row[len(GROUPS) :], strict=False)
     }
-    visible, wrong, alarms, words, failure, *stopped = row[len(GROUPS) + len(NUMBERS) :]
-    numbers["stopped"] = float(stopped[0] or 0.0) if stopped else 0.0
+    visible, wrong, alarms, words, failure, *others = row[len(GROUPS) + len(NUMBERS) :]
+    numbers |= {name: float(value or 0.0) for name, value in zip(LATER, others, strict=False)}
     found = Outcome(**numbers, is_visible=visible, wrong=tuple(wrong), alarms=tuple(alarms), failure=failure)
     return Shown(names, words), found
 
@@ -95,7 +108,7 @@ def add(path: Path, heading: Mapping[str, Any], ran: Sequence[Ran]) -> None:
     how = " ".join(f"--{name} {heading[name]:.10g}" for name in ("seed", "branches", "after"))
     command = f"python -m tests.campaigns.fault_matrix --cases {len(ran)} {how}"
     rows = [row_of(*one) for one in ran]
-    columns = [*GROUPS, *NUMBERS, "shows", "blamed", "alarms", "case", "failure", "stopped"]
+    columns = [*GROUPS, *NUMBERS, "shows", "blamed", "alarms", "case", "failure", *LATER]
     new = {**key, "command": command, "columns": columns}
     kept_ones = [one for one in others if {name: one[name] for name in key} != key]
     lines = [
@@ -115,7 +128,7 @@ def page(campaigns: Sequence[Mapping[str, Any]]) -> str:
     lines += _table(
         ["commit", "seed", "cases", *(f"{bar.name} ({100 * bar.share:g} %)" for bar in BARS)], map(_bars, campaigns)
     )
-    lines += ["", *(f"`{one['command']}`\n" for one in newest)]
+    lines += ["", *(f"`{one['command']}`\n" for one in newest), *_set_apart([found for _, found in shown])]
     for group in GROUPS:
         values = sorted({one.groups[group] for one, _ in shown})
         rows = [[value, *cells_of([case for case in shown if case[0].groups[group] == value])] for value in values]
@@ -124,6 +137,17 @@ def page(campaigns: Sequence[Mapping[str, Any]]) -> str:
     for one, found in worst(shown):
         lines += [f"- {one.words}: **{'; '.join(breaches(found))}**. {', '.join(found.alarms) or 'No alarm'}"]
     return "\n".join([*lines, ""])
+
+
+def _set_apart(found: Sequence[Outcome]) -> list[str]:
+    """Return how many cases are held against a run without the fault, and how many drums ran past the brake."""
+    unit, ways = BARS[2], [one.past_brake for one in found if one.past_brake > MARGIN]
+    as_stopped = sum(one.unit > LARGEST_UNIT and unit.holds(one) for one in found)
+    words = [f"Load motion above {LARGEST_UNIT:g}, held against the run without the fault: {as_stopped} cases.\n"]
+    if ways:
+        furthest = f"more than {MARGIN:g} m, the furthest {max(ways):.1f} m"
+        words.append(f"Past the brake: {len(ways)} of {len(found)} drums ran {furthest}.\n")
+    return words
 
 
 def _bars(campaign: Mapping[str, Any]) -> list[str]:

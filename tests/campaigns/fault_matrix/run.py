@@ -29,6 +29,7 @@ from tests.campaigns.fault_matrix.judge import (
     envelope_ratio,
     held_for,
     named_after,
+    past_brake,
     path_of,
     rest_after,
     stopped_at_once,
@@ -51,7 +52,7 @@ class Outcome:
 
     named: float = math.inf  # time to the alarm that names the part at fault [s]; infinite: none did
     is_visible: bool | None = None  # the fault showed; None: it does not from inside
-    rest: float = math.inf  # time to the drum at rest under its brake [s]; infinite: it goes on
+    rest: float = math.inf  # time to the drum at rest under its brake, or an order to stand [s]; infinite: it goes on
     travel: float = math.nan  # of the drum until then, over the heave of the rolling minute and 0.3 m
     envelope: float = math.nan  # rate or travel over the bounds of the envelope
     # motion of the unit from 10 s after the fault over that of the locked one; NaN: on the bottom, or too short
@@ -69,6 +70,9 @@ class Outcome:
     # motion of the unit over that of the locked one in the same run without a fault, with an emergency stop where the
     # drum was stopped at once; 0: not asked for
     stopped: float = 0.0
+    # travel in that run, over the same limit, where the drum goes on after the fault; 0: not asked for
+    without: float = 0.0
+    past_brake: float = 0.0  # largest way of the drum past a brake that alone may hold it: left out above [m]
     seconds: float = 0.0  # of processor time that it took
 
 
@@ -93,8 +97,10 @@ def _run_loop(cells: Sequence[Cell], after: float) -> Iterator[tuple[Cell, Outco
         failure = _words(error)
     for one in cells:
         found = Outcome(failure=failure) if failure else _forked(one, session, after)
-        if found.unit > LARGEST_UNIT:
-            found = replace(found, stopped=_forked(one, session, after, stop=found.sudden).unit)
+        goes_far = found.travel > 1.0 and math.isinf(found.rest)
+        if found.unit > LARGEST_UNIT or goes_far:
+            other = _forked(one, session, after, stop=found.sudden)
+            found = replace(found, stopped=other.unit, without=other.travel if goes_far else 0.0)
         yield one, found
 
 
@@ -145,6 +151,7 @@ def _branch(one: Cell, session: Session, after: float, stop: float | None) -> Ou
         session.record,
         np.array(session.brake),
         np.array(session.ordered),
+        np.array(session.only_brake),
         session.asked,
         begin,
         cable.axial_stiffness,
@@ -162,6 +169,7 @@ def judged(
     record: LoopRecord,
     brake: np.ndarray,
     ordered: np.ndarray,
+    only_brake: np.ndarray,
     asked: Asked,
     begin: float,
     stiffness: float = math.inf,
@@ -173,6 +181,7 @@ def judged(
     ----------
     one, record : the case and what it left
     brake, ordered : at each tick: the brake is on; rate that the drive was sent [m/s], NaN: to brake; shapes (ticks,)
+    only_brake : at each tick: nothing but the brake may hold the drum, shape (ticks,)
     asked : motion of the drum that was asked for
     begin : of the fault [s]
     stiffness : EA of the cable [N]
@@ -180,7 +189,10 @@ def judged(
     """
     kind, time = one.fault.kind, record.column("time")
     payout, rate, tip = record.column("payout"), record.column("payout_rate"), record.column("boom_tip")
-    rest, end = rest_after(time, rate, brake, begin), begin + (one.fault.duration or math.inf)
+    past = past_brake(time, payout, ordered, only_brake)
+    payout = payout - past
+    # the drive may hold a drum that its brake does not
+    rest, end = rest_after(time, rate, brake | (ordered == 0.0), begin), begin + (one.fault.duration or math.inf)
     alarms = [raised(at, alarm) for at, alarm in record.alarms]
     allowed = (*kind.parts, *one.base.case.parts)
     since = time >= begin
@@ -205,7 +217,7 @@ def judged(
         if stands
         else unit_ratio(
             time,
-            heave_of(record, stiffness, counts_otherwise=counts_otherwise),
+            heave_of(record, stiffness, counts_otherwise=counts_otherwise) + past,
             record.column("uncompensated"),
             begin,
         ),
@@ -217,6 +229,7 @@ def judged(
         modes=tuple(mode for mode, _ in groupby(modes)),
         false_words=tuple(false_words(record, begin)),
         sudden=stopped_at_once(time, rate, begin, rest),
+        past_brake=float(np.max(np.abs(past))),
     )
 
 

@@ -60,9 +60,7 @@ BITS, CAUSE, PHASE = (EnvelopeOrder._fields.index(name) for name in ("bits", "ca
 LOAD_JUMPED = int(Bit.LOAD_JUMPED)
 """Bit of a step that no load makes."""
 
-FREE, RESTS, LIMITED = (
-    float(state) for state in (DriveState.DRIVE_FREE, DriveState.DRIVE_RESTS, DriveState.DRIVE_LIMITED)
-)
+FREE, LIMITED, RESTS, FAILED = (float(state) for state in DriveState)
 """What the drive reports of itself, as the core has it."""
 
 
@@ -177,7 +175,7 @@ class OrderEnvelope:
         A load cell that has jumped is one that he knows of.
         """
         self._core.readings[ACKNOWLEDGED] = 1.0
-        if self._core.order.item(PHASE) == Phase.HELD:
+        if self._core.order.item(PHASE) >= Phase.HELD:
             self.cause, self.reason = 0.0, None
 
     def distance_to(self, depth: float) -> float:
@@ -243,7 +241,9 @@ def _readings(raw: Measurements, time: float) -> tuple[float, ...]:
     winch, drive = raw.winch, FREE
     if winch is not None:
         count, age = winch.encoder_payout, round(time - winch.time, 6)  # times of ticks are rounded otherwise
-        if winch.brake or winch.fault != WinchFault.NONE:
+        if winch.fault != WinchFault.NONE:
+            drive = FAILED
+        elif winch.brake:
             drive = RESTS
         elif winch.limits_hit != 0:
             drive = LIMITED

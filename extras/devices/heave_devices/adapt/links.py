@@ -63,10 +63,10 @@ class LinkThread(ABC):
             try:
                 self._serve()
             except OSError as error:  # pyserial's own are of its kind
-                self._problems = {"read": _words(error), "write": ""}
+                self._problems = {"read": words_of(error), "write": ""}
             except Exception as error:
                 self.failures += 1
-                self.failed = f"{type(error).__name__}: {_words(error) or 'no words'}. {_UNFORESEEN}"
+                self.failed = f"{type(error).__name__}: {words_of(error)}. {_UNFORESEEN}"
                 self._problems = {"read": self.failed, "write": ""}
             self._leave()
             with self._changed:
@@ -108,7 +108,7 @@ class LinkReader(LinkThread):
             try:
                 self._port = self._open()
             except (OSError, ValueError) as error:
-                raise CommandError(f"{link}: cannot be opened: {_words(error)}") from None
+                raise CommandError(f"{link}: cannot be opened: {words_of(error)}") from None
 
     def send(self, data: bytes) -> None:
         """Send `data` to the device; over UDP to whom spoke last. What cannot be sent is the link's problem."""
@@ -121,7 +121,7 @@ class LinkReader(LinkThread):
                 self._port.sendto(data, self._to or self._peer)
             self._problems["write"] = ""
         except (OSError, serial.SerialException) as error:
-            self._problems["write"] = f"cannot send: {_words(error)}"
+            self._problems["write"] = f"cannot send: {words_of(error)}"
 
     def close(self) -> None:
         """End reading."""
@@ -193,10 +193,11 @@ class LinkReader(LinkThread):
         return True
 
 
-def _words(error: BaseException) -> str:
+def words_of(error: BaseException) -> str:
+    """Return in one line what an `error` says, or its kind where it says nothing."""
     number = getattr(error, "errno", None)  # pyserial puts the name of the port into the text once more
     if isinstance(number, int):
         return os.strerror(number)
     if "returned no data" in str(error):
         return _GONE
-    return " ".join(str(error).split())
+    return " ".join(str(error).split()) or type(error).__name__

@@ -45,13 +45,9 @@ def winch_state(reading: WinchReading, order: WinchOrder, handshake: WinchHandsh
 
 
 def boom_tip(stamp: Any, height: float, motion: tuple[float, float, float]) -> PointMotion:
-    """Return where the simulated boom tip is.
+    """Return where the simulated boom tip is at the tick of a `stamp`, by its `height` at rest above still water [m].
 
-    Parameters
-    ----------
-    stamp : of the tick
-    height : of the boom tip at rest above still water [m]
-    motion : heave, its rate and acceleration, positive up [m], [m/s], [m/s^2]
+    Its `motion` is heave, rate and acceleration, positive up [m], [m/s], [m/s^2].
     """
     tip = PointMotion()
     tip.header.stamp = stamp

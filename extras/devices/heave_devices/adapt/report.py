@@ -13,6 +13,7 @@ from rich.table import Table
 from heave_devices.adapt.device import LiveDevice
 from heave_devices.adapt.links import LinkReader
 from heave_devices.adapt.plc.polled import PolledLink
+from heave_devices.live.counted_time import LARGEST_RATE, LEAST_RATE
 
 
 def figures_of(device: LiveDevice) -> dict[str, float]:
@@ -32,6 +33,7 @@ def figures_of(device: LiveDevice) -> dict[str, float]:
         "time_glitches": sum(clock.glitches for clock in adapter.clocks.values()),
         "clock_restarts": sum(clock.restarts for clock in adapter.clocks.values()),
         "old_samples": sum(clock.late for clock in adapter.clocks.values()),
+        "times_too_coarse": sum(clock.standing for clock in adapter.clocks.values()),
     }
     if device.link is not None:
         figures["link_failures"] = device.link.failures
@@ -57,7 +59,7 @@ def figures_of(device: LiveDevice) -> dict[str, float]:
 
 _WRONG = (
     *("gaps", "bursts", "timeouts", "invalid", "checksum_errors", "incomplete_lines", "malformed", "lost", "refusals"),
-    *("time_glitches", "clock_restarts", "old_samples", "other_senders"),
+    *("time_glitches", "clock_restarts", "old_samples", "other_senders", "times_too_coarse"),
 )
 
 
@@ -79,6 +81,7 @@ def health_of(device: LiveDevice, before: Mapping[str, float]) -> Health:
         device.adapter.speed_travel.words: bool(device.adapter.speed_travel.words),
         "; ".join(taker.missing): figures["missing_fields"] > before.get("missing_fields", 0),
         f"not used: {taker.worst}": figures["implausible"] > before.get("implausible", 0),
+        (clock := _clock_words(device)): bool(clock),
     }
     if error := next((text for text, is_present in errors.items() if is_present), ""):
         return Health(name, Level.ERROR, error, values)
@@ -87,6 +90,15 @@ def health_of(device: LiveDevice, before: Mapping[str, float]) -> Health:
     if words:
         return Health(name, Level.WARN, ", ".join(words), values)
     return Health(name, values=values)
+
+
+def _clock_words(device: LiveDevice) -> str:
+    """Return in words that the own time of a `device` is none, or has another unit; "": it is one, or not yet known."""
+    for rate in [clock.rate for clock in device.adapter.clocks.values() if device.device.clock == "own"]:
+        if not LEAST_RATE < rate < LARGEST_RATE and math.isfinite(rate):
+            what = f"runs {rate:.3g} times as fast as time passes" if rate else "stands still"
+            return f"its own time {what}: check unit and scale of the map's device_time, or write clock: receipt"
+    return ""
 
 
 def stale_words(device: LiveDevice, now: float, before: Mapping[str, float] | None = None) -> str:

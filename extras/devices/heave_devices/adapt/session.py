@@ -5,7 +5,8 @@ from __future__ import annotations
 import re
 import sys
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from typing import TypeVar
 
 from diagnostic_msgs.msg import DiagnosticArray
@@ -77,13 +78,19 @@ class Session:
 
         Raises CommandError where a controller commands it already.
         """
+        with self.one() as (device, spin):
+            spin(1.0)
+            if self._node.count_publishers(topics.WINCH_COMMAND.name):
+                raise CommandError("--wiggle: a controller is on winch/command: end its run first")
+            return move(device, spin)
+
+    @contextmanager
+    def one(self) -> Iterator[tuple[LiveDevice, Callable[[float], None]]]:
+        """Start the one device, and leave at the end; give it, and what serves its topics for a time [s]."""
         (device,) = self.devices
         device.start()
         try:
-            self._spinner.spin_for(1.0)
-            if self._node.count_publishers(topics.WINCH_COMMAND.name):
-                raise CommandError("--wiggle: a controller is on winch/command: end its run first")
-            return move(device, self._spinner.spin_for)
+            yield device, self._spinner.spin_for
         finally:
             self._spinner.close()
             self._leave()

@@ -34,12 +34,7 @@ class Limits:
     def refuse(self, signal: SetSignal, load: float, acceleration: float, where: str) -> None:
         """Raise ParameterError, naming `where` it stands, for what the winch cannot do.
 
-        Parameters
-        ----------
-        signal : that it is ordered to follow
-        load : [N]
-        acceleration : that is ordered [m/s^2]; NaN: none
-        where : for the message
+        It is ordered to follow a `signal`, under a `load` [N], at an `acceleration` [m/s^2]; NaN: none is ordered.
         """
         more = 1.0 + _ROUNDING
         if acceleration > more * self.acceleration:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import os
 import sys
 import time
 from collections.abc import Callable, Iterator
@@ -11,12 +10,10 @@ from contextlib import contextmanager
 
 from heave_bringup.errors import CommandError
 from heave_node.parameters import ParameterError
-from heave_node.ros.process import leave_ros, node_beside
-from heave_node.ros.spin import Spinner
-from heave_node.ros.transport.environment import prepare_environment
 
 from heave_devices.adapt.device import LiveDevice
 from heave_devices.adapt.report import stale_words
+from heave_devices.adapt.session import Session
 from heave_devices.bench.set_signal import Event
 from heave_devices.bench.winch import PERIOD, Sample
 from heave_devices.live.adapter import WINCH_STATE
@@ -88,11 +85,14 @@ def ask(event: Event) -> None:
 
 def words_of(device: LiveDevice, otherwise: str = "") -> str:
     """Return in words why a winch, `device`, does not move; `otherwise` where it is heard and has no problem."""
-    is_heard = otherwise and not device.adapter.watch.is_stale(time.monotonic())
-    words = device.problem or (otherwise if is_heard else stale_words(device, time.monotonic()))
-    command = device.device.command
-    is_unfed = device.adapter.newest.get("fault") and command is not None and not command.counts
-    return f"{words}; the map sends it no watchdog: does it need one?" if is_unfed else words
+    now, newest, command = time.monotonic(), device.adapter.newest, device.device.command
+    is_heard = not device.adapter.watch.is_stale(now)
+    words = device.problem or (is_heard and otherwise) or stale_words(device, now)
+    if is_heard and newest.get("fault") and command is not None and not command.counts:
+        return f"{words}; the map sends it no watchdog: does it need one?"
+    if is_heard and newest.get("fault"):
+        return f"{words}; check its display, the map's fault, and where the map sends its watchdog"
+    return f"{words}; check the map's brake, and enable in the command" if is_heard and newest.get("brake") else words
 
 
 def is_winch(device: DeviceMap) -> bool:
@@ -108,16 +108,5 @@ def real_winch(device: DeviceMap) -> Iterator[RealPart]:
     """
     if not is_winch(device):
         raise ParameterError(f"{device.name}: is not the map of a winch, with payout and command")
-    prepare_environment()
-    node = node_beside(f"acceptance_{os.getpid()}", "")
-    try:
-        live = LiveDevice(device, node)
-        spinner = Spinner(node)
-        live.start()
-        try:
-            yield RealPart(live, spinner.spin_for, ask)
-        finally:
-            live.close()
-            spinner.close()
-    finally:
-        leave_ros(node)
+    with Session([device]).one() as (live, spin):
+        yield RealPart(live, spin, ask)

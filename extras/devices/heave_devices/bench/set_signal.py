@@ -77,12 +77,7 @@ def sweep(speed: float, longest: float, shortest: float, duration: float) -> Set
 def sea(height: float, period: float, duration: float, seed: int = 1) -> SetSignal:
     """Return a payout that follows a boom tip which moves as the surface of a Bretschneider sea does.
 
-    Parameters
-    ----------
-    height : significant wave height [m]
-    period : peak period [s]
-    duration : [s]
-    seed : of the phases
+    Its significant `height` [m], peak `period` [s] and `duration` [s] are given, and the `seed` of its phases.
     """
     spectrum = Bretschneider(height, period)
     peak = spectrum.peak_frequency

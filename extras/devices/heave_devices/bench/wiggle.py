@@ -157,7 +157,8 @@ def _move(device: LiveDevice, part: RealPart, distance: float) -> list[Reading]:
         sample = start = release(part, name)
     except CommandError:
         raise CommandError(f"{name}: {words_of(device, 'its brake stays on')}") from None
-    readings = []
+    taker = device.adapter.taker
+    readings, sent = [], taker.sent("payout")
     while (elapsed := sample.time - start.time) < DURATION:
         readings.append(Reading(elapsed, sample.payout, sample.rate))
         moved, rate = move_at(elapsed, distance)
@@ -165,6 +166,9 @@ def _move(device: LiveDevice, part: RealPart, distance: float) -> list[Reading]:
         if sample.brake or sample.fault:
             raise CommandError(f"{name}: stopped by itself: {words_of(device)}")
         if is_too_far(sample.payout, start.payout, distance):
-            found = f"{1e3 * (sample.payout - start.payout):+.1f} mm read, {1e3 * distance:.1f} mm wanted"
-            raise CommandError(f"{name}: braked: {found}. Check unit and scale, in the quantity and in the command")
+            moved = sample.payout - start.payout
+            hint = taker.jump_in_other_order("payout", moved, sent) or "Check unit and scale" + (
+                ", kind and word_order" * device.device.is_polled + ", in the quantity and in the command"
+            )
+            raise CommandError(f"{name}: braked: {1e3 * moved:+.1f} mm read, {1e3 * distance:.1f} mm wanted. {hint}")
     return readings

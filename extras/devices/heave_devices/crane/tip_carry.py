@@ -105,11 +105,7 @@ class TipCarry:
     def _below_tip(self, reading: ScalarReading, derivative: int, sign: float) -> ScalarReading:
         """Return a `reading` of the unit's depth or velocity as below the place about which the tip heaves.
 
-        Parameters
-        ----------
-        reading : of the unit
-        derivative : 0 for a depth, 1 for a velocity
-        sign : 1 where the reading is positive down, else -1
+        The `derivative` is 0 for a depth, 1 for a velocity; the `sign` is 1 where it is positive down, else -1.
         """
         if not math.isfinite(reading.time):
             return reading

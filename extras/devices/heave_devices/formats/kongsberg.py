@@ -17,7 +17,7 @@ from __future__ import annotations
 import math
 import struct
 
-from heave_devices.formats.sample import Counters, Sample, TimeBase
+from heave_devices.formats.sample import Counters, Sample, TimeBase, sample_without
 
 _DEGREE = math.radians(1.0)
 _KMB = struct.Struct("<4sHHIIIdd21fIIf")
@@ -93,13 +93,8 @@ class KmBinaryDecoder:
             return None
         self.counters.samples += 1
         bad = frozenset(name for bit, names in _KMB_INVALID.items() if status >> bit & 1 for name in names)
-        return Sample(
-            "KMB",
-            {name: value for name, value in values.items() if name not in bad},
-            bad & frozenset(values),
-            time=seconds + 1e-9 * nanoseconds,
-            time_base=TimeBase.UNIX,
-        )
+        time = seconds + 1e-9 * nanoseconds
+        return sample_without("KMB", values, bad, time=time, time_base=TimeBase.UNIX)
 
 
 _EM = struct.Struct("<BBhhhH")

@@ -27,7 +27,7 @@ from functools import partial
 
 from heave_node.interface.codes import MruStatus
 
-from heave_devices.formats.sample import Sample, TimeBase, number, time_of_day
+from heave_devices.formats.sample import Sample, TimeBase, number, sample_without, time_of_day
 
 Fields = Sequence[str]
 _DEGREE = math.radians(1.0)
@@ -48,15 +48,6 @@ def _given(fields: Fields, table: Mapping[int, tuple[str, float]]) -> dict[str, 
         for index, (name, factor) in table.items()
         if index < len(fields) and fields[index] != ""
     }
-
-
-def _without(kind: str, values: Mapping[str, float], bad: frozenset[str], **rest: object) -> Sample:
-    return Sample(
-        kind,
-        {name: value for name, value in values.items() if name not in bad},
-        bad & frozenset(values),
-        **rest,  # type: ignore[arg-type]
-    )
 
 
 _PSXN = {
@@ -81,7 +72,7 @@ def _psxn(fields: Fields, quality: Quality) -> Sample | None:
         return Sample(kind, {"height_quality": float(heights), "attitude_quality": float(turns)})
     if kind not in _PSXN:
         return None
-    return _without(kind, _given(fields, _PSXN[kind]), quality.invalid)
+    return sample_without(kind, _given(fields, _PSXN[kind]), quality.invalid)
 
 
 _PASHR = {
@@ -89,9 +80,7 @@ _PASHR = {
     3: ("roll", _DEGREE),
     4: ("pitch", -_DEGREE),
     5: ("heave", 1.0),
-    6: ("roll_sigma", _DEGREE),
-    7: ("pitch_sigma", _DEGREE),
-    8: ("heading_sigma", _DEGREE),
+    **{index: (f"{name}_sigma", _DEGREE) for index, name in enumerate(("roll", "pitch", "heading"), 6)},
     9: ("aiding_status", 1.0),
     10: ("imu_status", 1.0),
 }
@@ -109,12 +98,7 @@ _PHOCT = {
     6: ("roll", _DEGREE),
     8: ("pitch", _DEGREE),
     10: ("heave_primary", 1.0),
-    12: ("heave", 1.0),
-    13: ("surge", 1.0),
-    14: ("sway", 1.0),
-    15: ("heave_rate", 1.0),
-    16: ("surge_rate", 1.0),
-    17: ("sway_rate", 1.0),
+    **{index: (name, 1.0) for index, name in enumerate(_MOTION, 12)},
     18: ("yaw_rate", -_DEGREE / 60.0),
 }
 
@@ -124,7 +108,7 @@ def _phoct(fields: Fields, _: Quality) -> Sample:
     bad = frozenset(name for index, names in states.items() if fields[index] != "T" for name in names)
     is_settling = fields[11] == "I"
     has_time = fields[2] == "T"
-    return _without(
+    return sample_without(
         "PHOCT",
         _given(fields, _PHOCT),
         bad,
@@ -143,7 +127,7 @@ _PNORSUB2 = {**_PNORSUB, 6: ("heave_rate", -1.0)}
 def _pnorsub(fields: Fields, _: Quality, *, kind: str, table: Mapping[int, tuple[str, float]], status: int) -> Sample:
     values = _given(fields, table)
     bad = frozenset() if int(fields[status]) & 1 else frozenset(values)
-    return _without(kind, values, bad, time=int(fields[0]) * 1e-3, time_base=TimeBase.COUNTER)
+    return sample_without(kind, values, bad, time=int(fields[0]) * 1e-3, time_base=TimeBase.COUNTER)
 
 
 def _pencr(fields: Fields, _: Quality) -> Sample:

@@ -11,7 +11,7 @@ import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import Enum
-from typing import Protocol
+from typing import Any, Protocol
 
 from heave_node.interface.codes import MruStatus
 
@@ -46,6 +46,13 @@ class Sample:
     time_base: TimeBase = TimeBase.NONE  # what that time counts from
     # fields that hold other text than a number, by name: what a validity may be read from
     words: Mapping[str, str] = field(default_factory=dict)
+
+
+def sample_without(kind: str, values: Mapping[str, float], bad: frozenset[str], **rest: Any) -> Sample:
+    """Return a sample of a `kind` with the `values` that are not `bad`, those that are as invalid, and the `rest`."""
+    return Sample(
+        kind, {name: value for name, value in values.items() if name not in bad}, bad & frozenset(values), **rest
+    )
 
 
 @dataclass

@@ -78,6 +78,7 @@ class Adapter:
         self._time = DeviceTime(device.counter_wrap)
         self.clocks: dict[str, DeviceClock] = {}
         self._clock = DeviceClock()
+        self._polled: tuple[Sample | None, float] = (None, -math.inf)
         self._began: int | None = None
         self.drum_count = DrumCount()
         self.speed_travel = SpeedTravel()
@@ -92,7 +93,7 @@ class Adapter:
         made = []
         for sample in samples:
             own = self._own_time(sample, now)
-            if own == LATE:
+            if own == LATE or (self.device.is_polled and self._is_repeated(sample, own, now)):
                 continue
             stamp, time = self._stamp(own, now, sample.kind)
             made += self._made(self.taker.of_sample(sample, time), stamp, now)
@@ -131,6 +132,13 @@ class Adapter:
             first = round(time * 1e9) if time >= _STAMPS_END else 0
             self._began = _COUNT_BEGAN - first if is_count or first else 0
         return self._began + round(time * 1e9)
+
+    def _is_repeated(self, sample: Sample, own: int | None, now: float) -> bool:
+        """Return whether a `sample` with an `own` time that comes `now` [s] is the one before; one that lasts not."""
+        before, at = self._polled
+        is_repeated = own is not None and sample == before and now - at < self.device.timeout / 3.0
+        self._polled = self._polled if is_repeated else (sample, now)
+        return is_repeated
 
     def _stamp(self, own: int | None, now: float, kind: str = "") -> tuple[int, float]:
         """Return the stamp [ns] and the time [s] of what has an `own` time [ns], or none, and arrived at `now` [s].
@@ -203,8 +211,11 @@ class Adapter:
             return None
         self._sequence += 1
         read = taken.values.get("heave", math.nan)
-        heave, rate = self._tip.carry(taken.time, read, rate, (roll, pitch), (turning[0], turning[1]))
+        heave, rate, added = self._tip.carry(taken.time, read, rate, (roll, pitch), (turning[0], turning[1]))
         sigma = {name: channel.sigma for name, channel in self.device.channels.items()}
+        if added > 0.0:
+            stated = sigma.get("heave_rate", math.nan)
+            sigma["heave_rate"] = math.hypot(stated, added) if math.isfinite(stated) else added
         return MruReading(
             taken.time,
             heave,

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import math
+import statistics
 from collections import deque
+from itertools import pairwise
 
 LONG_SILENCE = 1.0
 """A sample that is later than this by the count begins it again: the line was silent [s]."""
@@ -12,6 +15,10 @@ LEAST_STEP = 0.01
 """Least time between two samples, in periods."""
 STEPPED = 1.0
 """A counter that goes back, or ahead of the arrivals, by more restarted [s]: a delay makes it neither."""
+LOOK, LOOKS = 1.0, 5
+"""A clock is compared with the arrivals over so long [s], so many times: one restart among them is no other rate."""
+LEAST_RATE, LARGEST_RATE = 0.5, 2.0
+"""A clock that runs slower or faster than the arrivals by more has another unit, or is no clock."""
 
 
 class DeviceClock:
@@ -22,12 +29,15 @@ class DeviceClock:
     restarts : so far: a step that the next sample confirms
     glitches : steps that the next sample does not confirm
     late : samples older than one before
+    standing : samples with the time of the one before: a clock that is coarser than they are apart
     has_stepped : the newest sample's time has stepped, and the next one has to confirm it
     """
 
     def __init__(self) -> None:
-        self.restarts = self.glitches = self.late = 0
+        self.restarts = self.glitches = self.late = self.standing = 0
         self.has_stepped = False
+        self._newest = -math.inf
+        self._looks: deque[tuple[float, float]] = deque(maxlen=LOOKS + 1)
         self._before: tuple[float, float] | None = None
         self._candidate: tuple[float, float, float] | None = None
         self._shift = 0.0
@@ -35,8 +45,24 @@ class DeviceClock:
     def time(self, own: float, now: float) -> float | None:
         """Return the time of a sample that goes on over restarts [s]; None: it is older than one before.
 
-        It is of the device's `own` time and has arrived `now`, by a monotonic clock [s].
+        It is of the device's `own` time and has arrived `now`, by a monotonic clock [s]. While the own time stands, the
+        arrivals count on.
         """
+        if not self._looks or now - self._looks[-1][1] >= LOOK:
+            self._looks.append((own, now))
+        time = self._time(own, now)
+        if time is not None:
+            self._newest = time = max(time, self._newest + 1e-6)
+        return time
+
+    @property
+    def rate(self) -> float:
+        """How fast the own time runs beside the arrivals [-]: the median of the last looks; NaN: too few."""
+        if len(self._looks) <= LOOKS:
+            return math.nan
+        return statistics.median((b[0] - a[0]) / (b[1] - a[1]) for a, b in pairwise(self._looks))
+
+    def _time(self, own: float, now: float) -> float | None:
         self.has_stepped = False
         if self._before is None:
             self._before = (own, now)
@@ -48,6 +74,9 @@ class DeviceClock:
         if own < self._before[0]:
             self.late += 1
             return None
+        if own == self._before[0]:
+            self.standing += 1
+            return own + self._shift + now - self._before[1]
         self._before = (own, now)
         return own + self._shift
 

@@ -211,10 +211,17 @@ class Taker:
             return ""
         return f"with word_order: {order} it reads {value:.2f}"
 
-    def jump_in_other_order(self, name: str, jump: float) -> str:
-        """Return in words that the last `jump` of a quantity, `name`, is a small step in the other order, or ""."""
-        order, before = self._swapped(name, self._sent[name][0])
-        moved = self._factors[name] * (self._swapped(name, self._sent[name][1])[1] - before)
+    def sent(self, name: str) -> float:
+        """Return what a quantity, `name`, was last sent as; NaN: it has not come."""
+        return self._sent.get(name, (math.nan, math.nan))[1]
+
+    def jump_in_other_order(self, name: str, jump: float, since: float | None = None) -> str:
+        """Return in words that a `jump` of a quantity, `name`, is a small step in the other order, or "".
+
+        It is that of the last reading, or of all since one that was sent as `since`.
+        """
+        order, before = self._swapped(name, self._sent[name][0] if since is None else since)
+        moved = self._factors[name] * (self._swapped(name, self.sent(name))[1] - before)
         return f"with word_order: {order} it moved by {moved:+.4f} m" if abs(moved) < 0.1 * abs(jump) else ""
 
     def _swapped(self, name: str, raw: float) -> tuple[str, float]:

@@ -2,8 +2,8 @@
 
 z_tip = heave - x sin(pitch) + (y sin(roll) + z cos(roll)) cos(pitch), less its value at rest; roll about x forward,
 then pitch about y to port (REP-103), arm x, y, z from the sensor. The rate follows by the chain rule from the turn
-rates, or, where the sensor has none, from the attitude of the last 0.6 s. A heave is about its mean: of the arm's share
-a running mean is taken out, so that trim and list do not lift the tip.
+rates, or, where the sensor has none, from the attitude of the last 0.6 s, with its noise. A heave is about its
+mean: of the arm's share a running mean is taken out, so that trim and list do not lift the tip.
 
 The simulated boom tip moves by it without its steps, which are none of the ship: a spike, a sensor that froze or fell
 silent and goes on, or a new zero would throw the simulated load by metres. What a step adds is taken off at once, and
@@ -33,8 +33,8 @@ class TipMotion:
 
     def carry(
         self, time: float, heave: float, rate: float, attitude: tuple[float, float], turning: tuple[float, float]
-    ) -> tuple[float, float]:
-        """Return heave and heave rate of the boom tip [m], [m/s]; NaN where they are not known.
+    ) -> tuple[float, float, float]:
+        """Return heave, heave rate and what its arm's share is uncertain by [m], [m/s], [m/s]; NaN: not known.
 
         Parameters
         ----------
@@ -43,17 +43,17 @@ class TipMotion:
         attitude, turning : roll and pitch [rad], and their rates [rad/s]; NaN: not measured
         """
         if self._is_here:
-            return heave, rate
+            return heave, rate, 0.0
         share = height_of(self._arm, *attitude) - self._arm[2]
         if not math.isfinite(share):
-            return math.nan, math.nan
+            return math.nan, math.nan, math.nan
         self._recent.add(time, share)
-        turned = height_rate_of(self._arm, *attitude, turning)
+        turned, sigma = height_rate_of(self._arm, *attitude, turning), 0.0
         if not math.isfinite(turned):
             recent = self._recent.at(time)
-            turned = math.nan if recent is None else recent[1]
+            turned, sigma = math.nan if recent is None else recent[1], self._recent.rate_sigma
         self._update_mean(time, share)
-        return heave + share - self._mean, rate + turned
+        return heave + share - self._mean, rate + turned, sigma
 
     def _update_mean(self, time: float, share: float) -> None:
         if not math.isfinite(self._first):

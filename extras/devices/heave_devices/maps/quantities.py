@@ -66,11 +66,8 @@ QUANTITIES: Mapping[str, Quantity] = {
 }
 """Quantities by name; SI units, signs of `sample`. Of ordered_rate and unit_heave only records are made use of."""
 NED_WAYS = {
-    "heave": "down",
-    "heave_rate": "down",
-    "heave_acceleration": "down",
-    "pitch": "bow up",
-    "pitch_rate": "bow up",
+    **dict.fromkeys(("heave", "heave_rate", "heave_acceleration"), "down"),
+    **dict.fromkeys(("pitch", "pitch_rate"), "bow up"),
 }
 """Positive direction of each where x is forward, y to starboard and z down; others are as in the suite's own axes."""
 

@@ -19,7 +19,7 @@ from heave_devices.formats.table import FORMATS, LINE
 from heave_devices.maps.device_map import DeviceMap, SampleField
 from heave_devices.maps.quantities import QUANTITIES
 from heave_devices.records.sample_checks import Findings
-from heave_devices.records.ship_time import TimeError, from_1970, time_of_texts
+from heave_devices.records.ship_time import TimeError, from_1970, spread, time_of_texts
 
 _START = re.compile(r"[$:#]")
 _PIECE = 1 << 16
@@ -104,25 +104,26 @@ def _times(source: Path, device: DeviceMap, record: _Record, places: Sequence[in
     own = np.array([record.times[place] for place in places])
     stamps = [record.stamps[place] for place in places]
     has_own, has_stamps = bool(np.isfinite(own).mean() > 0.5), sum(map(bool, stamps)) > 0.5 * len(stamps)
+    zda = [index for index, sample in enumerate(record.samples) if sample.kind == "ZDA"]
+    words: list[str] = []
     if has_own and (device.clock == "own" or not has_stamps):
         time, words = from_1970(own)
-        findings.notes += [note for note in words if note not in findings.notes]
-        return time
-    if has_stamps:
+    elif has_stamps:
         try:
             time, words = time_of_texts(stamps, device.date_order)
         except TimeError as error:
             raise BagError(f"{source}: the stamp before a sentence: {error}") from error
-        findings.notes += [note for note in words if note not in findings.notes]
-        return time
-    zda = [index for index, sample in enumerate(record.samples) if sample.kind == "ZDA"]
-    if len(zda) > 1:
+    elif len(zda) > 1:
         at = [record.lines[index] for index in zda]
-        findings.notes.append(f"time: by {len(zda)} sentences ZDA, evenly between them")
-        return np.interp([record.lines[place] for place in places], at, [record.times[index] for index in zda])
-    if device.sample_rate > 0.0:
-        return np.arange(len(places)) / device.sample_rate
-    raise BagError(f"{source}: has no time: {_why_no_time(device, record)}")
+        words = [f"time: by {len(zda)} sentences ZDA, evenly between them"]
+        time = np.interp([record.lines[place] for place in places], at, [record.times[index] for index in zda])
+    elif device.sample_rate > 0.0:
+        time = np.arange(len(places)) / device.sample_rate
+    else:
+        raise BagError(f"{source}: has no time: {_why_no_time(device, record)}")
+    time, how = spread(time)
+    findings.notes += [note for note in words + how if note not in findings.notes]
+    return time
 
 
 def _why_no_time(device: DeviceMap, record: _Record) -> str:

@@ -71,9 +71,7 @@ def without_fill(name: str, signal: Signal, quantity: str, findings: Findings) -
         worst = int(np.argmax(np.abs(about)))
         findings.ask(question(quantity, float(abs(about[worst])), f"{name} at {time_words(signal.time[worst])}"))
         return signal
-    if not fill.any():
-        return signal
-    return _without(name, signal, fill, findings)
+    return _without(name, signal, fill, findings) if fill.any() else signal
 
 
 def without_marks(name: str, signal: Signal, findings: Findings) -> Signal:

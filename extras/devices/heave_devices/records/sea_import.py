@@ -237,7 +237,7 @@ def _log_signals(
         value = log.numbers(channel.column, name)
         valid = channel.valid or log.find(*_validity_names(channel))
         if valid:
-            value = findings.without_invalid(name, value, log.validity(valid, channel.invalid_bits), valid)
+            value = findings.without_invalid(name, value, log.validity(valid, channel), valid)
         unit, size = log.stated_scale(channel.column, name)
         if unit and channel.scale == 1.0 and not (channel.unit or channel.positive):
             findings.ask(

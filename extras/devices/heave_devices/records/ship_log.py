@@ -14,7 +14,7 @@ from heave_node.files.given_files import TextFileError, read_text
 from heave_node.numerics.arrays import Array
 from numpy.typing import NDArray
 
-from heave_devices.maps.channel import GOOD_WORDS
+from heave_devices.maps.channel import GOOD_WORDS, Channel
 from heave_devices.records.ship_time import (
     TimeError,
     counted_on,
@@ -75,13 +75,9 @@ class ShipLog:
         self.notes = [*text.notes, *self._columns.notes]
 
     def numbers(self, column: str, role: str) -> Array:
-        """Return a column as numbers; a cell that is none is NaN.
+        """Return a `column`, called in any case with its unit or without, as numbers; a cell that is none is NaN.
 
-        Parameters
-        ----------
-        column : its heading, in any case, with or without its unit in brackets
-        role : what it is wanted for, named where it is missing
-
+        It is wanted for a `role`, which is named where it is missing.
         Raises BagError where there is no such column, or for a number whose comma or point can be of thousands.
         """
         cells = self._cells(column, role)
@@ -94,26 +90,20 @@ class ShipLog:
             )
         return values
 
-    def validity(self, column: str, bad_bits: int) -> NDArray[np.bool_]:
-        """Return which samples a column calls valid, shape (n,) of bool.
+    def validity(self, column: str, channel: Channel) -> NDArray[np.bool_]:
+        """Return which samples of a `channel` a `column` calls valid, shape (n,) of bool.
 
-        Parameters
-        ----------
-        column : its heading
-        bad_bits : a status with one of these bits set is bad; 0: the column holds a number or word (GOOD_WORDS)
-
-        Raises BagError where there is no such column, or for a word that is neither.
+        Raises BagError where there is no such column, or for a word that says neither.
         """
-        cells = [cell.strip() for cell in self._cells(column, "valid")]
-        if bad_bits:
-            return np.array([_is_clear(cell, bad_bits) for cell in cells])
-        strange = next((cell for cell in cells if cell and not _is_judgement(cell)), None)
-        if strange is not None:
+        statuses = [_status(cell.strip()) for cell in self._cells(column, "valid")]
+        known = ("", *GOOD_WORDS, *BAD_WORDS)
+        strange = next((one for one in statuses if isinstance(one, str) and one.lower() not in known), None)
+        if strange is not None and not (channel.invalid_bits or channel.valid_values):
             raise BagError(
                 f"{self.source}: {column} = {strange!r} is neither a number nor one of "
                 f"{', '.join((*GOOD_WORDS, *BAD_WORDS))}"
             )
-        return np.array([cell.lower() in GOOD_WORDS or (_number(cell) or 0.0) != 0.0 for cell in cells])
+        return np.array([channel.is_valid(status) for status in statuses])
 
     def stated_scale(self, column: str, motion: str) -> tuple[str, float]:
         """Return the unit that heading or unit line of a `column` state for a `motion`, and its size in m or rad.
@@ -248,19 +238,9 @@ def _bare(heading: str) -> str:
     return re.sub(r"\W+", "_", _UNIT.sub(" ", heading).strip().lower()).strip("_") or heading.strip().lower()
 
 
-def _number(cell: str) -> float | None:
+def _status(cell: str) -> float | str:
+    """Return the number in a `cell`, such as 6 or 0x8000; the text of one that holds none."""
     try:
-        return float(cell)
-    except ValueError:
-        return None
-
-
-def _is_judgement(cell: str) -> bool:
-    return cell.lower() in (*GOOD_WORDS, *BAD_WORDS) or _number(cell) is not None
-
-
-def _is_clear(cell: str, bits: int) -> bool:
-    try:
-        return not int(float(cell) if "x" not in cell.lower() else int(cell, 16)) & bits
+        return float(int(cell, 16)) if "x" in cell.lower() else float(cell)
     except (ValueError, OverflowError):
-        return False
+        return cell

@@ -200,6 +200,4 @@ def prior_of(parameters: WinchControllerParameters) -> DrumPrior:
 
 
 def _with_factor(drum: Drum, factor: float) -> Array:
-    vector = np.array([*drum, factor], dtype=float)
-    assert vector.shape == (FIELDS + 1,)
-    return vector
+    return np.array([*drum, factor], dtype=float)

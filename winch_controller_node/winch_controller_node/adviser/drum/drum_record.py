@@ -75,12 +75,13 @@ class DrumRecord:
             left[:, first:end] -= left[:, first:end].mean(axis=1, keepdims=True)
         return np.asarray(left)
 
-    def squares_with_drift(self, left: Array, onset: int) -> float:
-        """Return the sum of squares of what is `left`, (seen,), less a drift of the count from an `onset` on [m^2]."""
-        ramp = np.maximum(np.flatnonzero(self.seen) - onset, 0).astype(float)
+    def squares_with_drift(self, left: Array, path: Array, onset: int) -> float:
+        """Return the squares of what is `left` of a `path`, less a drift of count or gain from an `onset` on [m^2]."""
+        since = np.maximum(np.arange(len(path)) - onset, 0.0)
+        drifts = np.stack([since, np.cumsum(since * np.diff(path, prepend=path[0]))])[:, self.seen]
         for first, end in self._stretches:
-            ramp[first:end] -= ramp[first:end].mean()
-        return float(left @ left - (ramp @ left) ** 2 / (ramp @ ramp))
+            drifts[:, first:end] -= drifts[:, first:end].mean(axis=1, keepdims=True)
+        return float(left @ left - np.max((drifts @ left) ** 2 / np.maximum(np.sum(drifts**2, axis=1), 1e-30)))
 
     def until(self, place: int) -> DrumRecord:
         """Return its beginning, without the readings from a `place` on."""

@@ -33,6 +33,7 @@ from winch_controller_node.adviser.drum.drum_fit import (
     fit_drum,
 )
 from winch_controller_node.adviser.drum.drum_record import FACTOR, START_PAYOUT, DrumRecord
+from winch_controller_node.adviser.hypothesis import CLEARLY
 
 ALWAYS = (LAG, DELAY, GAIN)
 
@@ -86,8 +87,8 @@ def identify(record: DrumRecord, prior: DrumPrior, assumed: Array) -> DrumFit:
     held_limits = {index for index in LIMITS if assumed[index] < prior.nominal[index]}
     onsets = _sudden(record, prior, assumed) if best.residual > UNEXPLAINED else []
     found, freed = _with_groups(prior, best, others, onsets, held_limits)
-    if (FACTOR,) in freed and _loss_with_drift(record, prior, assumed, onsets) < found.loss:
-        # the drum has begun to creep, and its encoder is right: the next records say by how much
+    if (FACTOR,) in freed and _loss_with_drift(record, prior, assumed, onsets) < found.loss + CLEARLY:
+        # the drum creeps, or its gain drifts, and its encoder may be right: the next records say by how much
         found, freed = _with_groups(prior, best, others, [], held_limits)
     return _without_held(prior, _without_passengers(prior, found, freed, assumed), held_limits)
 
@@ -215,10 +216,10 @@ def _before(record: DrumRecord, prior: DrumPrior, assumed: Array, onset: int) ->
 
 
 def _loss_with_drift(record: DrumRecord, prior: DrumPrior, assumed: Array, onsets: Sequence[int]) -> float:
-    """Return the loss of the `assumed` drum whose count drifts from near one of the `onsets` on, the best [nats]."""
+    """Return the loss of the `assumed` drum whose count or gain drifts from near one of the `onsets` on [nats]."""
     fit = _before(record, prior, assumed, min(onsets))
-    left = record.residuals(fit.theta[None, :])[0]
-    squares = min(record.squares_with_drift(left, at) for at in range(min(onsets), len(record.readings) - 2))
+    left, path = record.residuals(fit.theta[None, :])[0], record.simulated(fit.theta[None, :])[0]
+    squares = min(record.squares_with_drift(left, path, at) for at in range(min(onsets), len(record.readings) - 2))
     return replace(fit, squares=squares, count=len(left), record=record).loss
 
 

@@ -10,6 +10,7 @@ from typing import Any
 from pymodbus.client import ModbusTcpClient
 from pymodbus.exceptions import ModbusException
 
+from heave_devices.adapt.links import words_of
 from heave_devices.adapt.plc.polled import ANSWER_TIME, LinkLostError, RefusedError
 from heave_devices.formats.registers import BIT_TABLES, Block, blocks_of, register_of, values_in, words_for
 from heave_devices.formats.sample import Sample
@@ -83,12 +84,8 @@ class ModbusExchange:
         try:
             answer = request()
         except (ModbusException, OSError) as error:
-            raise LinkLostError(f"{where}: no answer: {_first_line(error)}") from None
+            raise LinkLostError(f"{where}: no answer: {words_of(error)}") from None
         if answer.isError():
             code = int(getattr(answer, "exception_code", 0))
             raise RefusedError(f"{where}: exception {code}: {_EXCEPTIONS.get(code, 'unknown')}")
         return answer
-
-
-def _first_line(error: BaseException) -> str:
-    return str(error).strip().splitlines()[0] if str(error).strip() else type(error).__name__

@@ -12,6 +12,7 @@ from typing import Any
 from asyncua import Client, ua
 from asyncua.ua.uaerrors import UaError, UaStatusCodeError
 
+from heave_devices.adapt.links import words_of
 from heave_devices.adapt.plc.polled import ANSWER_TIME, LinkLostError, RefusedError
 from heave_devices.formats.number_kinds import packed
 from heave_devices.formats.sample import Sample, TimeBase
@@ -57,7 +58,7 @@ class OpcUaExchange:
         try:
             return await self._client.get_node(self._ids[name]).read_data_type_as_variant_type()
         except UaStatusCodeError as error:
-            raise RefusedError(f"{name}: {_words(error)}") from None
+            raise RefusedError(f"{name}: {words_of(error)}") from None
 
     def read(self) -> Sample:
         """See Exchange."""
@@ -122,9 +123,9 @@ class OpcUaExchange:
         except asyncio.TimeoutError:
             raise LinkLostError(f"{what}: no answer: check address, port, cable and that the server runs") from None
         except UaStatusCodeError as error:
-            raise LinkLostError(f"{what}: {_words(error)}") from None
+            raise LinkLostError(f"{what}: {words_of(error)}") from None
         except (UaError, OSError, asyncio.CancelledError) as error:
-            raise LinkLostError(f"{what}: no connection: {_words(error)}") from None
+            raise LinkLostError(f"{what}: no connection: {words_of(error)}") from None
 
 
 def _node_id(name: str) -> Any:
@@ -132,10 +133,6 @@ def _node_id(name: str) -> Any:
         return ua.NodeId.from_string(name)
     except (UaError, ValueError):
         raise RefusedError(f"{name} is no node identifier such as ns=2;s=Winch.Payout") from None
-
-
-def _words(error: BaseException) -> str:
-    return " ".join(str(error).split()) or type(error).__name__
 
 
 def _seconds(stamp: datetime) -> float:
