@@ -173,6 +173,9 @@ class EncoderGate(Part, EncoderView):
         found = judge(self.design, self.gate_at[2], self.memory["encoder"], *given)
         return None if math.isnan(found) else found
 
+    def resume(self, payout):
+        part("resume")(self.memory["encoder"], payout)
+
     @property
     def jumped_at(self):
         return float(self._record["jumped_at"])

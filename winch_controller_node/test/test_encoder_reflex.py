@@ -176,12 +176,14 @@ def test_an_assumed_scale_of_the_encoder_is_left_out_of_what_it_reads_of_a_nomin
     assert watched.tick() == ReflexNews.BELIEFS_REFUTED
 
 
-def test_one_that_is_aside_and_reads_what_was_ordered_is_used_again():
+def test_one_that_is_aside_and_reads_what_was_ordered_is_used_again_and_the_drum_is_found_by_it():
     watched = Watched()
     watched.controller.observer.exclude("encoder")
     watched.turn(8.0, 1.0)
-    assert watched.tick() == NOTHING
+    watched.encoder["value"], watched.encoder["offset"] = 0.1, 5.0
+    assert watched.tick() == ReflexNews.ENCODER_FOUND
     assert watched.controller.observer.excluded == ""
+    assert watched.encoder["offset"] == 0.0, "the drum stands at 0, and the count is back near it"
 
 
 @pytest.mark.parametrize(

@@ -665,3 +665,21 @@ def test_a_sensor_that_falls_silent_is_stale_and_not_delayed_by_the_time_that_it
         gate.tick(k * DT)
         assert gate.level == OK or gate.reason == "stale"
     assert gate.level == LOST
+
+
+@pytest.mark.parametrize(("factor", "lasting", "stays"), [(0.3, 60, 0.0), (1.0, 200, 0.6)])
+def test_an_encoder_that_is_used_again_counts_as_before_it_jumped_where_that_is_where_the_drum_is(
+    factor, lasting, stays
+):
+    """A scale of 0.3 for 3 s on 5 m: jumps taken off at both ends leave the way that was not counted, 0.42 m."""
+    gate, rate, payout = EncoderGate(SensorTiming(DT, DT), HealthParameters(), tick_period=DT), 0.2, 0.0
+    for tick in range(1, 200):
+        payout = 5.0 + rate * DT * tick
+        wrong = 50 <= tick < 50 + lasting
+        reading = (factor * payout if wrong else payout) + stays * wrong
+        gate.pass_tick(tick * DT, rate)
+        counted = gate.judge(tick * DT, (tick * DT, reading), rate)
+    assert counted == pytest.approx(payout - (0.42 if factor < 1.0 else 0.0), abs=0.02)
+    gate.resume(payout)
+    counted = gate.judge(200 * DT, (200 * DT, reading + rate * DT), rate)
+    assert counted == pytest.approx(payout + rate * DT, abs=0.02), "one that stays off goes on without its jump"

@@ -129,6 +129,12 @@ void rescale(EncoderGate &encoder, double factor, double payout) {
     encoder.offset = encoder.value - payout;
 }
 
+// An encoder that was set aside counts as before any jump, if that is nearer to where the drum is by the commands: what has
+// jumped may be back.
+void resume(EncoderGate &encoder, double payout) {
+    if (std::abs(encoder.value - payout) < std::abs(encoder.value - encoder.offset - payout)) encoder.offset = 0.0;
+}
+
 // Take a frozen encoder for good until the drum turns unseen again; the drum stands where it got to.
 void trust(EncoderGate &encoder) {
     encoder.offset -= encoder.unseen;

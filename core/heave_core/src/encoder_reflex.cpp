@@ -124,7 +124,12 @@ int watch_encoder(const Control &on) {
     if (number % design.look_ticks == 0)
         ordered = drum_ordered(watch, on.winch_state->drum, {on.drum_rows, on.drum_work}, watch.assumed);
     const int found = look_at_encoder(design, *on.reflex_state, number, ordered, is_aside);
-    if (found == ENCODER_TRUSTED) sense.excluded = -1;
+    if (found == ENCODER_TRUSTED) {
+        sense.excluded = -1;
+        resume(sense.encoder, on.tick->motions.payout + on.tick->motions.mean_payout);
+        reset_mismatch(*on.supervising.guard_state);
+        news |= ENCODER_FOUND;
+    }
     return found == ENCODER_REFUTED ? news | set_aside(on, ordered) : news;
 }
 

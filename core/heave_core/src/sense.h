@@ -42,6 +42,7 @@ double judge_encoder(const SenseDesign &design, SensorGate &gate, EncoderGate &e
                      double reading, double expected_rate, double sent_rate, bool is_driven);
 void rescale(EncoderGate &encoder, double factor, double payout);
 void trust(EncoderGate &encoder);
+void resume(EncoderGate &encoder, double payout);
 
 // terms.cpp: a gated reading in the estimator's terms
 struct Stamp {

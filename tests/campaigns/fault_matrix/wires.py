@@ -100,7 +100,7 @@ class Wires:
     def _controlled(self, tick: int, measurements: Measurements) -> Outputs:
         if self._is("node", "winch_controller", "stalled") and self._last is not None:
             self._waiting.append((tick, measurements))
-            return self._last._replace(alarms=(), kpi=None, observations=None, requests=())
+            return self._last._replace(alarms=(), make_kpi=None, make_observations=None, requests=())
         if self._waiting:
             measurements = self._caught_up(measurements)
         if self._is("clock", "mru", "depth", "winch"):

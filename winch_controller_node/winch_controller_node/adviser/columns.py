@@ -14,8 +14,7 @@ from winch_controller_node.beliefs.quantities import DEPTH_SCALE, ENCODER_SCALE,
 from winch_controller_node.model.estimator import MeasurementModel
 
 ONSETS = (42.0, 29.0, 20.0, 14.0, 10.0, 7.0, 5.0)
-"""Times before the end of the record from which a sensor may have been at fault [s], beside all of it. They are fine:
-a wrong onset makes a wrong size."""
+"""Times before the end of the record, beside all of it, since when a sensor may be at fault [s]: fine, for its size."""
 
 FACTOR, STEP, DELAY = "scale", "offset", "delay"
 """Kinds of column: what a sensor alone has read (its size is a factor on it less 1), 1 (an offset that is taken off),

@@ -69,8 +69,7 @@ ONSET = 3.0
 """Prior of an onset within the record [nats]: there are some moments at which it may be."""
 
 ACCEPTED, AGAIN = 48.0, 8.0
-"""A hypothesis is accepted that is so many nats better than the beliefs: at once, or where it was the best a look
-before as well."""
+"""Lead over the beliefs with which a hypothesis is accepted [nats]: at once, or as the best of two looks running."""
 
 CLEARLY = 5.0
 """Lead over the best hypothesis with another culprit that acceptance requires [nats]."""

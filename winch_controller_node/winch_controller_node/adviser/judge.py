@@ -53,8 +53,7 @@ NEAR = (0.75, 0.83, 0.9, 0.95, 0.98, 1.02, 1.05, 1.1, 1.2, 1.35)
 """Onsets that are tried about the best one, over its time before the end of the record."""
 
 ENCODER_ROW = "payout"
-"""Measurement of the encoder, which is not judged here: the winch is identified by it, and it is right where the
-model of the winch is not."""
+"""Measurement of the encoder, not judged here: the winch is identified by it, and it is right where that is not."""
 
 LEAST_READ = 10
 """Seconds in which a sensor must have been read for a correction of it, or its acquittal."""

@@ -26,8 +26,7 @@ from winch_controller_node.interface.alarms import ALARMS
 from winch_controller_node.node_parameters import WinchControllerParameters
 
 FIRST_TIME, GROWTH, MOST = 60.0, 4.0, 3
-"""Time for which no answer is used the first time [s], the factor by which it grows, and the count after which none is
-used any more."""
+"""Time for which no answer is used at first [s], factor by which it grows, and count after which none is used again."""
 
 
 class AdviserTrust:

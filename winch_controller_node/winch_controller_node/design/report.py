@@ -57,8 +57,7 @@ BOUND_RECORDS = 3
 """Records it plans over."""
 
 POOR = 0.5
-"""Error of two states, relative to the motion, above which a unit was not held: 3 t on 4,000 m (0.44) was, on 6,000 m
-(0.74) was not."""
+"""Relative error of two states above which a unit was not held: 3 t on 4,000 m (0.44) was, on 6,000 m (0.74) not."""
 
 OF_DRAG = ("unit_heave", "unit_heave_rate", "unit_heave_acceleration", "tension")
 """Outputs that depend on drag, which the design linearises at small motion: with the winch locked the motion is not."""

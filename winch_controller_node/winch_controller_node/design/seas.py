@@ -86,8 +86,7 @@ LONGEST_SWELL = 40.0
 """Longest peak period of a swell [s]."""
 
 LOWEST_WIND_SEA, HIGHEST, STEEPEST = 0.01, 25.0, 0.09
-"""Range of the significant wave heights of a sea [m], and the largest steepness 2 pi Hs / (g Tp^2) of one: above that
-waves break."""
+"""Range of the significant wave heights of a sea [m]; steepness 2 pi Hs / (g Tp^2) above which waves break."""
 
 
 @dataclass(frozen=True)

@@ -24,8 +24,7 @@ DEPTH_BIAS = "depth_bias"
 LOAD_CELL_BIAS = "load_cell_bias"
 
 CALIBRATION_DRIFT = 1e-5
-"""Random walk of the MRU's scale [1/sqrt(s)], 0.1 % in three hours, and of its lever arm [m/sqrt(s)]: keeps the filter
-awake."""
+"""Random walk of the MRU's scale [1/sqrt(s)], 0.1 % in three hours, and of its lever arm [m/sqrt(s)]."""
 
 
 LARGEST_NOISE = 10.0

@@ -75,8 +75,7 @@ MAY_STAND = 3.0
 """Time for which a sensor may stand before its first step over `modes.settling_time`: a sea may rise in minutes."""
 
 SAMENESS = {"first_sameness": 0.01, "part_sameness": 0.5}
-"""Share of readings that are like the one before, at first: of a sensor that does not read in steps, and of heave and
-rate of an MRU alone, which may."""
+"""Share of readings like the one before, at first: of a sensor without steps, of heave and rate of an MRU alone."""
 
 LONGEST_PERIOD = 0.25
 """Between readings further apart [s] the sea itself is not smooth."""

@@ -31,8 +31,7 @@ FALL_TIME, FALL_WINDOW = 0.3, 60.0
 """Time within which the tension falls, and memory of how it falls without a cause [s]."""
 
 BLEND, UNREAD = 1.0, 0.5
-"""Time constant with which heave corrects the integral of its rate, and age of an MRU reading from which on the motion
-is not known [s]."""
+"""Time constant with which heave corrects the integral of its rate; age of an MRU reading that is too old [s]."""
 
 PROOFS = {
     "shortest": SHORTEST,
