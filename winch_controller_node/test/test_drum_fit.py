@@ -223,6 +223,21 @@ def test_an_encoder_that_is_reversed_still_or_of_another_kind_of_scale_is_no_sca
     assert answer is None or answer.factor is None
 
 
+@pytest.mark.parametrize(("factor", "gain", "is_scale"), [(1.93, 1.0, True), (1.93, 1.24, False), (0.6, 0.7, False)])
+def test_a_scale_of_the_encoder_is_within_its_range_with_the_gain_that_was_found_beside_it(
+    excerpt_of, factor, gain, is_scale
+):
+    """Of 2.4 times as much, 1.93 of a scale and 1.24 of a gain: the encoder reads the product since then."""
+    *_, excerpt = excerpts(excerpt_of, WinchParameters(), 25.0)
+    record, _ = scaled_from(factor, 6.0)
+    found = fit_drum(record, PRIOR, begun(record, NOMINAL), (PLACE["gain"], FACTOR))
+    theta = found.theta.copy()
+    theta[[PLACE["gain"], FACTOR]] = gain, factor
+    found = replace(found, theta=theta, squares=0.0)
+    answer = WinchIdentifier(BELIEF, DT)._answer(found, found, NOMINAL, excerpt)
+    assert (answer.factor is not None) == is_scale
+
+
 def test_an_encoder_whose_newest_reading_was_not_accepted_is_not_identified(excerpt_of):
     """It is lost, frozen or has jumped: what it read in the second before may not be the drum."""
     *_, excerpt = excerpts(excerpt_of, WinchParameters(time_constant=0.4), 15.0)

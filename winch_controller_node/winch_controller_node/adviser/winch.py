@@ -182,16 +182,17 @@ class WinchIdentifier:
     def _answer(self, present: DrumFit, found: DrumFit, held: Array, excerpt: Excerpt) -> WinchAnswer:
         gain = float(found.theta[GAIN] / self._prior.nominal[GAIN])
         is_explained = found.residual <= max(EXPLAINED, SHARE_LEFT * present.residual)
-        # a factor at the end of what can be is no scale: the encoder has another fault
-        factor, ends = float(found.theta[FACTOR]), (self._prior.lowest[FACTOR], self._prior.highest[FACTOR])
-        if FACTOR in found.free and (factor in ends or not is_explained):
+        # at the end of what can be, alone or with a gain that was not there before, it is no scale but another fault
+        factor, prior = float(found.theta[FACTOR]), self._prior
+        reads = factor, factor * found.theta[GAIN] / held[GAIN]
+        is_scale = all(prior.lowest[FACTOR] < one < prior.highest[FACTOR] for one in reads)
+        if FACTOR in found.free and not (is_scale and is_explained):
             return WinchAnswer(gain=gain)
         if FACTOR in found.free:
             tick = excerpt.last + 1 - (len(found.record.readings) - found.record.onset)
-            index = found.free.index(FACTOR)
             nats = present.loss - found.loss - PRICES[(FACTOR,)]
             return WinchAnswer(
-                factor=(tick, factor, float(found.sigmas[index]), found.record.step(found.theta)),
+                factor=(tick, factor, self._sigma(found, FACTOR), found.record.step(found.theta)),
                 gain=gain,
                 nats=nats,
             )
