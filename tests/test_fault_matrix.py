@@ -2,6 +2,9 @@
 
 import json
 import math
+import os
+import subprocess
+import sys
 from dataclasses import asdict, replace
 from functools import partial
 from types import SimpleNamespace
@@ -346,3 +349,12 @@ def test_64_cases_keep_the_bars():
     for bar in BARS:
         good, asked = kept(bar, ran)
         assert good >= HELD[bar.name] * asked, "\n".join(line(*one) for one in ran if breaches(one[1]))
+
+
+def test_cases_are_run_in_several_processes(tmp_path):
+    """Functions of the module that a program begins with cannot be handed to another process."""
+    command = [sys.executable, "-m", "tests.campaigns.fault_matrix", "--seed", "64"]
+    command += ["--cases", "2", "--branches", "1", "--after", "1", "--workers", "2"]
+    environment = os.environ | {"PYTHONPATH": str(ROOT)}
+    ran = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True, timeout=240)
+    assert "2 cases, 0 could not be run" in ran.stdout, ran.stderr

@@ -27,25 +27,20 @@ import argparse
 import hashlib
 import json
 import math
-import multiprocessing
-import os
-import signal
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import asdict
 from datetime import datetime, timezone
-from functools import partial
-from itertools import groupby
 from pathlib import Path
 
 from heave_bags.record.provenance import git_commit
 
-from tests.campaigns.fault_matrix.cases import BRANCHES, Cell, cell
+from tests.campaigns.fault_matrix.cases import BRANCHES, cell
 from tests.campaigns.fault_matrix.faults import KINDS
 from tests.campaigns.fault_matrix.figures import BARS, COLUMNS, GROUPS, Ran, broken, kept, line, rows_by, worst
 from tests.campaigns.fault_matrix.moments import MOMENTS
 from tests.campaigns.fault_matrix.page import ROOT, add
-from tests.campaigns.fault_matrix.run import AFTER, outcome_of, run_cells
+from tests.campaigns.fault_matrix.run import AFTER, outcome_of, run_in_processes
 
 FOLDER = Path("runs") / "fault_matrix"
 """Folder of journals."""
@@ -64,9 +59,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     known = read_journal(journal)
     try:
         with journal.open("a", encoding="utf-8") as file:
-            for one, found in _outcomes(
-                [one for one in wanted if one.words not in known], options.workers, options.after
-            ):
+            left = [one for one in wanted if one.words not in known]
+            for one, found in run_in_processes(left, options.after, options.workers):
                 known[one.words] = asdict(found)
                 # a line of its own, also after one that was not finished
                 file.write("\n" + json.dumps([one.words, known[one.words]]) + "\n")
@@ -98,25 +92,6 @@ def sources_digest() -> str:
         if path.suffix in (".py", ".cpp", ".h", ".yaml") and "test" not in path.parts:
             digest.update(path.read_bytes())
     return digest.hexdigest()[:12]
-
-
-def _outcomes(cells: Sequence[Cell], workers: int, after: float) -> Iterator[Ran]:
-    if workers == 1:
-        yield from run_cells(cells, after)
-        return
-    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-    loops = [list(group) for _, group in groupby(cells, key=lambda one: one.base.number)]
-    with multiprocessing.get_context("spawn").Pool(workers, initializer=_begin) as pool:
-        for group in pool.imap_unordered(partial(_run_loop, after=after), loops):
-            yield from group
-
-
-def _begin() -> None:
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-
-
-def _run_loop(cells: Sequence[Cell], after: float) -> list[Ran]:
-    return list(run_cells(cells, after))
 
 
 def report(ran: Sequence[Ran]) -> str:

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import json
 import math
+import multiprocessing
 import os
 import signal
 import time as clock
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass, replace
+from functools import partial
 from itertools import groupby
 
 import numpy as np
@@ -79,6 +81,23 @@ class Outcome:
 def outcome_of(values: dict[str, object]) -> Outcome:
     """Return an outcome from what JSON has of it."""
     return Outcome(**{name: tuple(one) if isinstance(one, list) else one for name, one in values.items()})  # type: ignore[arg-type]
+
+
+def run_in_processes(cells: Sequence[Cell], after: float, workers: int) -> Iterator[tuple[Cell, Outcome]]:
+    """Do `run_cells` in so many `workers`, and yield each loop as it is done; in this process with one."""
+    if workers == 1:
+        yield from run_cells(cells, after)
+        return
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+    loops = [list(group) for _, group in groupby(cells, key=lambda one: one.base.number)]
+    ignored = (signal.SIGINT, signal.SIG_IGN)  # Ctrl-C ends the first process, which ends the others
+    with multiprocessing.get_context("spawn").Pool(workers, signal.signal, ignored) as pool:
+        for group in pool.imap_unordered(partial(_whole_loop, after=after), loops):
+            yield from group
+
+
+def _whole_loop(cells: Sequence[Cell], after: float) -> list[tuple[Cell, Outcome]]:
+    return list(_run_loop(cells, after))
 
 
 def run_cells(cells: Sequence[Cell], after: float = AFTER) -> Iterator[tuple[Cell, Outcome]]:
