@@ -401,13 +401,13 @@ def test_a_time_that_is_none_or_too_coarse_is_named_and_no_sample_is_refused_for
     node, content = Node(), {"source": {"udp": free_port("udp")}, "format": "line", "pattern": "(?P<t>.+) (?P<z>.+)"}
     device = LiveDevice(device_map_of("m", content | {"device_time": {"field": "t"} | entry, "heave": "z"}), node)
     before = {}
-    for k in range(200):
-        before = figures_of(device) if k == 180 else before
+    for k in range(300):
+        before = figures_of(device) if k == 280 else before
         device._on_bytes(f"{sent(clock.now)} {math.sin(0.05 * k):.3f}\r\n".encode(), True)
         clock.now += 0.05
     stamps = [deserialize_message(data, MruSample).header.stamp for data in node.sent["mru"]]
     times = [stamp.sec + 1e-9 * stamp.nanosec for stamp in stamps]
-    assert len(times) == 200
+    assert len(times) == 300
     assert min(np.diff(times)) > 0.0
     health = health_of(device, before)
     assert words in health.message if words else health.level is Level.OK

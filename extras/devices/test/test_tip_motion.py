@@ -66,6 +66,15 @@ def test_the_noise_of_the_attitude_is_in_the_uncertainty_of_the_rate(noise, rate
     assert np.median(sigma) == pytest.approx(math.sqrt(192.0 / (0.6 * rate)) / 0.6 * size, rel=0.25)
 
 
+def test_a_sensor_that_is_frozen_stays_frozen_at_the_boom_tip():
+    """Its running mean went on, and no reading was like the one before: it was never taken for frozen."""
+    tip = TipMotion(ARM)
+    times = np.arange(0.0, 40.0, 0.04)
+    carried = [tip.carry(t, math.sin(min(t, 30.0)), math.cos(min(t, 30.0)), attitude(min(t, 30.0)), NAN) for t in times]
+    assert len(set(carried[: np.searchsorted(times, 30.0)])) > 700
+    assert len(set(carried[np.searchsorted(times, 30.0) + 1 :])) == 1
+
+
 def test_trim_and_list_do_not_lift_the_tip():
     tip = TipMotion(ARM)
     heave = [tip.carry(0.1 * n, 0.0, 0.0, (0.02, -0.03), (0.0, 0.0))[0] for n in range(100)]

@@ -124,16 +124,9 @@ def release(part: WinchPart, name: str) -> Sample:
 def run_winch(
     part: WinchPart, test: WinchTest, event: Event | None, name: str, show: Callable[[str, float], None]
 ) -> Trace:
-    """Run a test of a winch; its brake is requested at the end, whatever comes.
+    """Run a `test` of a winch, `part`, with an `event`; its brake is requested at the end, whatever comes.
 
-    Parameters
-    ----------
-    part : the winch
-    test : what it is ordered
-    event : what happens to it
-    name : of the step
-    show : called with words and the share that is done
-
+    `name` is that of the step; `show` is called with words and the share that is done.
     Raises CommandError where it cannot be released.
     """
     origin = part.step(0.0, 0.0, brake=True) if test.signal.is_braked else release(part, name)

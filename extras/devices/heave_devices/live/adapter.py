@@ -102,14 +102,9 @@ class Adapter:
     def on_message(
         self, topic: str, message: Any, stamp: int | None, now: float
     ) -> list[tuple[str, WireReading | WinchReading]]:
-        """Return the readings, each with its topic, that a message makes.
+        """Return the readings, each with its topic, that a `message` makes, an object with the fields of the map.
 
-        Parameters
-        ----------
-        topic : on which it came
-        message : any object with the fields of the map
-        stamp : of its header [ns]; None: it has none
-        now : monotonic time of its arrival [s]
+        It came on a `topic` at the monotonic time `now` [s], with a `stamp` in its header [ns]; None: it has none.
         """
         used, time = self._stamp(stamp, now)
         return self._made(self.taker.of_message(topic, message, time), used, now)

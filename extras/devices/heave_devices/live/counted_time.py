@@ -15,8 +15,10 @@ LEAST_STEP = 0.01
 """Least time between two samples, in periods."""
 STEPPED = 1.0
 """A counter that goes back, or ahead of the arrivals, by more restarted [s]: a delay makes it neither."""
-LOOK, LOOKS = 1.0, 5
-"""A clock is compared with the arrivals over so long [s], so many times: one restart among them is no other rate."""
+LOOK, LOOKS = 1.0, 10
+"""A clock is compared with the arrivals over so long [s], so many times: a restart or a halt among them is no rate."""
+LEAD_LEAK = 1e-3
+"""The least delay of a device's samples grows by this share of the time until one is less: clocks drift less."""
 LEAST_RATE, LARGEST_RATE = 0.5, 2.0
 """A clock that runs slower or faster than the arrivals by more has another unit, or is no clock."""
 
@@ -36,10 +38,10 @@ class DeviceClock:
     def __init__(self) -> None:
         self.restarts = self.glitches = self.late = self.standing = 0
         self.has_stepped = False
-        self._newest = -math.inf
+        self._newest, self._lead = -math.inf, math.inf
         self._looks: deque[tuple[float, float]] = deque(maxlen=LOOKS + 1)
         self._before: tuple[float, float] | None = None
-        self._candidate: tuple[float, float, float] | None = None
+        self._candidate: tuple[float, float] | None = None
         self._shift = 0.0
 
     def time(self, own: float, now: float) -> float | None:
@@ -65,7 +67,7 @@ class DeviceClock:
     def _time(self, own: float, now: float) -> float | None:
         self.has_stepped = False
         if self._before is None:
-            self._before = (own, now)
+            self._before, self._lead = (own, now), now - own
             return own
         if _is_step(own - self._before[0], now - self._before[1]):
             return self._stepped(own, now)
@@ -77,23 +79,26 @@ class DeviceClock:
         if own == self._before[0]:
             self.standing += 1
             return own + self._shift + now - self._before[1]
+        self._lead = min(self._lead + LEAD_LEAK * (now - self._before[1]), now - own - self._shift)
         self._before = (own, now)
         return own + self._shift
 
     def _stepped(self, own: float, now: float) -> float:
-        """Return the time of a sample that has stepped [s]: by its arrival, until the next one confirms it."""
+        """Return the time of a sample that has stepped [s]: by its arrival, until the next one confirms it.
+
+        The clock that has restarted goes on by the least delay: no later sample is stamped before it was taken.
+        """
         assert self._before is not None
         last = self._candidate
         if last is not None and not _is_step(own - last[0], now - last[1]):
             self.restarts += 1
             self._candidate, self._before = None, (own, now)
-            self._shift = last[2] - last[0]
+            self._shift = last[1] - self._lead - last[0]
             return own + self._shift
         self.glitches += last is not None
         self.has_stepped = True
-        time = self._before[0] + self._shift + now - self._before[1]
-        self._candidate = (own, now, time)
-        return time
+        self._candidate = (own, now)
+        return self._before[0] + self._shift + now - self._before[1]
 
 
 def _is_step(went: float, passed: float) -> bool:

@@ -13,6 +13,7 @@ given back in GLIDE by half a cosine.
 from __future__ import annotations
 
 import math
+from typing import Any
 
 from heave_node.numerics.kinematics import height_of, height_rate_of
 from heave_node.sensing.recent_motion import OLDEST, RecentMotion
@@ -30,20 +31,28 @@ class TipMotion:
         self._mean = 0.0
         self._first = self._last = math.nan
         self._recent = RecentMotion()
+        self._given: tuple[Any, ...] = ()
+        self._carried = (math.nan, math.nan, math.nan)
 
     def carry(
         self, time: float, heave: float, rate: float, attitude: tuple[float, float], turning: tuple[float, float]
     ) -> tuple[float, float, float]:
         """Return heave, heave rate and what its arm's share is uncertain by [m], [m/s], [m/s]; NaN: not known.
 
-        Parameters
-        ----------
-        time : of the sample [s]
-        heave, rate : of the sensor [m], [m/s]; NaN: not measured
-        attitude, turning : roll and pitch [rad], and their rates [rad/s]; NaN: not measured
+        At a `time` [s] the sensor reads `heave` and `rate`, `attitude` as roll and pitch [rad] and `turning` as their
+        rates [rad/s]; NaN: not measured. What is read the same again stays the same, though the mean goes on: else
+        nobody saw that a sensor is frozen.
         """
         if self._is_here:
             return heave, rate, 0.0
+        given = heave, rate, attitude, turning
+        if given != self._given:
+            self._given, self._carried = given, self._carry(time, heave, rate, attitude, turning)
+        return self._carried
+
+    def _carry(
+        self, time: float, heave: float, rate: float, attitude: tuple[float, float], turning: tuple[float, float]
+    ) -> tuple[float, float, float]:
         share = height_of(self._arm, *attitude) - self._arm[2]
         if not math.isfinite(share):
             return math.nan, math.nan, math.nan
