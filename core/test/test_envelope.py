@@ -412,6 +412,17 @@ def test_neither_a_drive_with_a_fault_nor_one_after_an_emergency_stop_is_to_hold
     assert (order.phase, order.cause, order.brake) == (Phase.HELD, Cause.BRAKE_SLIPS, 1.0)
 
 
+def test_a_drive_that_trips_by_the_same_slip_is_braked_again_only_if_its_fault_lasts():
+    """The order to hold is under way by then, and releases the trip; a brake after it would let the drum slip again."""
+    rig = Rig()
+    assert slipping(rig, 0.2, 0.2).phase == Phase.CAUGHT
+    taken = WINCH["delay"] + BOUNDS["count_time"]
+    tripped = {"brake": True, "duty": float(Duty.OPERATE), "drive": float(DriveState.DRIVE_FAILED)}
+    braked = [rig.step(0.0, **tripped).brake for _ in range(round((taken + 1.0) / DT))]
+    assert DT * braked.index(1.0) == pytest.approx(taken, abs=1.5 * DT)
+    assert all(braked[braked.index(1.0) :])
+
+
 def test_a_drive_that_does_not_hold_a_drum_either_is_asked_once_and_the_brake_goes_on_again():
     rig = Rig()
     order = slipping(rig, 0.2, 3.0, held=False)

@@ -215,6 +215,7 @@ def test_a_drum_that_slips_is_told_at_the_highest_severity_within_a_third_of_a_s
     assert alarm.severity is Severity.CRITICAL
     assert abs(way) < max(0.05, 2.0 * abs(rate) * TICK) + 1e-9
     assert time - begin < max(0.3, 0.032 / abs(rate)) + 1e-9
+    assert "The drive is ordered to hold the drum." in str(alarm)
     assert len(drum.alarms) == 1
 
 

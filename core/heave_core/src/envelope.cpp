@@ -110,11 +110,13 @@ void catch_drum(State &state, const Readings &readings, double off, double limit
     enter(state, may_hold ? CAUGHT : HELD, BRAKE_SLIPS, off, limit);
 }
 
-// Until the order to hold has reached the drum it slips on: where it then stands it is held.
+// Until the order to hold has reached the drum it slips on: where it then stands it is held. Until then the drive may also
+// have tripped by the same slip, which this order releases: to brake again would let the drum slip once more.
 void follow_caught(const Design &design, State &state, const Readings &readings) {
     if (state.phase != CAUGHT) return;
-    if (readings.drive == DRIVE_FAILED || is_emergency_stop(readings)) state.phase = HELD;
-    if (state.phase_time > design.winch.delay + design.envelope.count_time) return;
+    const bool is_taken = state.phase_time > design.winch.delay + design.envelope.count_time;
+    if (is_emergency_stop(readings) || (is_taken && readings.drive == DRIVE_FAILED)) state.phase = HELD;
+    if (is_taken) return;
     state.drum = state.prompt = Drum{state.count, 0.0};
     rest_drum(state);
 }

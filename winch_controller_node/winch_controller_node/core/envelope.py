@@ -43,12 +43,16 @@ BOUND = Bit.AT_RATE | Bit.AT_TRAVEL | Bit.AT_STOP
 NOTHING_READ = (math.nan, math.nan, math.nan, math.nan, 0.0, math.nan, math.nan)
 """Readings of a tick in which nothing came."""
 
-OF_DRUM = {
-    Cause.DRUM: "DRUM_OFF_ORDER: distance",
-    Cause.BRAKE_SLIPS: "DRUM_NOT_HELD: count",
-    Cause.DRIFT: "DRUM_OFF_ORDER: drift",
+TAKEN_OVER = {
+    Cause.DRUM: ("DRUM_OFF_ORDER: distance", "distance"),
+    Cause.DRIFT: ("DRUM_OFF_ORDER: drift", "distance"),
+    Cause.BRAKE_SLIPS: ("DRUM_NOT_HELD: count", "distance"),
+    Cause.RATE: ("ORDER_REPLACED: too fast", "speed"),
+    Cause.TRAVEL: ("ORDER_REPLACED: too far", "travel"),
+    Cause.FADE_LONG: ("STOP_OVERDUE", "time"),
+    Cause.UNSEEN: ("STOP_OVERDUE", "time"),
 }
-"""Alarms of a drum that is elsewhere than it should be, by cause."""
+"""Alarms of what had a limit, and what it calls the value that was beyond, by cause."""
 
 READ = len(NOTHING_READ)
 LIFT_RATE, DUTY, HELD_TENSION, REQUEST, ACKNOWLEDGED = (
@@ -257,14 +261,12 @@ def _readings(raw: Measurements, time: float) -> tuple[float, ...]:
 def _alarm(sent: EnvelopeOrder, source: str) -> Alarm:
     """Return the alarm of what the envelope took over for, `sent` in place of an order of a `source`."""
     cause = Cause(int(sent.cause))
-    if name := OF_DRUM.get(cause):
-        return ALARMS.alarm(name, distance=sent.value, limit=sent.limit)
-    if cause is Cause.RATE:
-        return ALARMS.alarm("ORDER_REPLACED: too fast", speed=sent.value, limit=sent.limit)
-    if cause is Cause.TRAVEL:
-        return ALARMS.alarm("ORDER_REPLACED: too far", travel=sent.value, limit=sent.limit)
     if cause is Cause.NOT_FINITE:
         return ALARMS.alarm("ORDER_REPLACED: not finite", source=source)
     if cause is Cause.HARM:
         return ALARMS.alarm("LOAD_SWUNG_HIGHER", ratio=sent.value)
-    return ALARMS.alarm("STOP_OVERDUE", time=sent.value, limit=sent.limit)
+    name, what = TAKEN_OVER[cause]
+    values: dict[str, float | str] = {what: sent.value, "limit": sent.limit}
+    if cause is Cause.BRAKE_SLIPS:
+        values["held"] = "The drive is ordered to hold the drum" if sent.phase == Phase.CAUGHT else "Brake stays on"
+    return ALARMS.alarm(name, **values)
