@@ -270,6 +270,7 @@ GATE = structure(
     Row("delayed_since", "s", "it is stale, or delayed; NaN: never"),
     Row("zero", "", "its reading that counts as 0; NaN: none yet"),
     Row("reported", "", "Level at the end of the tick before"),
+    Row("causes", "", "2^Reason of each for which it is lost and that was reported"),
     Row("news", "", "News"),
     Row("same", "", "all numbers of a reading", SAMENESS),
     Row("same_part", "", "those that may freeze while the others go on", SAMENESS),

@@ -41,6 +41,16 @@ def test_an_own_clock_is_read_to_within_its_least_delay_and_a_millisecond(offset
     assert clock.jitter == pytest.approx(0.002, rel=0.3), "the standard deviation of that distribution is its mean"
 
 
+@pytest.mark.parametrize("lasting", [5, 20])
+@pytest.mark.parametrize("drift", [-30e-6, 30e-6])
+def test_messages_that_were_late_for_a_while_leave_no_wrong_offset(lasting, drift):
+    """Late by 0.3 s with true stamps: a regression had them 0.14 s too new meanwhile, and 0.1 s too old after."""
+    delays = 0.01 + np.random.default_rng(1).exponential(0.002, 20 * 180)
+    delays[20 * 70 : 20 * (70 + lasting)] += 0.3
+    errors = play(ExternalClock(), offset=-1e6, drift=drift, delays=delays)
+    assert np.abs(errors[400:] - 0.01).max() < 2e-3
+
+
 def test_a_better_offset_puts_no_message_before_one_that_was_measured_earlier():
     """The first two of a run come 50 ms late, the third with the second: it was taken for one out of order."""
     errors = play(ExternalClock(), offset=-1.7e9, drift=0.0, delays=np.array([0.05, 0.05, 0.03, 0.03, 0.01]), rate=50.0)

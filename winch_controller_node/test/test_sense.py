@@ -167,3 +167,25 @@ def test_an_operator_who_acknowledges_a_step_of_the_mru_has_it_read_again(rate):
     assert not any(seen[: stepped - 2])
     assert all(seen[stepped + 5 : asked - 1])
     assert not any(seen[-100:])
+
+
+def test_a_lost_sensor_is_named_by_each_cause_as_it_becomes_known_and_by_each_once():
+    """Readings are held up for 0.3 s: none for six ticks, then old ones; then for a while each second one is no number.
+
+    The last one in time is that of tick 200; an age above three intervals of 0.05 s is too much.
+    """
+    controller = WinchController(build_parameters(WinchControllerParameters, {}, where="test"), tick_period=DT)
+    named = []
+    for tick in range(1, 700):
+        late = 6 if 200 < tick <= 400 or tick > 600 else 0
+        time = DT * (tick - late)
+        phase = 2.0 * math.pi / 9.0 * time
+        heave = math.nan if 300 < tick <= 350 and tick % 2 else math.sin(phase)
+        sample = MruReading(time, heave, math.cos(phase) * 2.0 * math.pi / 9.0, 0.0, 0.0, 0, tick)
+        is_held = 200 < tick <= 206 or 600 < tick <= 606
+        alarms = controller.step(tick, Measurements(mru=() if is_held else (sample,))).alarms
+        named += [(tick, alarm.name, alarm.values) for alarm in alarms if "SENSOR_LOST, MRU" in alarm.name]
+    stale, delayed = "SENSOR_LOST, MRU: stale", "SENSOR_LOST, MRU: delayed"
+    assert [one[:2] for one in named] == [(204, stale), (207, delayed), (604, stale), (607, delayed)]
+    found = [named[1][2][name] for name in ("age", "since", "limit")]
+    assert found == pytest.approx([0.3, 207 * DT, 0.15])

@@ -210,6 +210,21 @@ void note_tension(const Core &core, const LookAt &given, const Delivered *delive
     add_tension(core.design.watches, core.design.tick_period, state.mean_tension, state.tension, place, given.unit_stands != 0.0);
 }
 
+// Bits of a double that hold the causes: a status of a sensor's own beyond is one with all others.
+constexpr int LAST_CAUSE = 52;
+
+// Whether a sensor that is lost is lost for another cause than was reported of it: each is reported once until it is well
+// again. A reading refused among others is no cause.
+bool has_new_cause(const Health &health, SensorGate &gate) {
+    const bool is_sure = gate.reason == FROZEN || gate.reason == STALE || gate.reason == DELAYED;
+    const bool is_known = is_sure || gate.bad_in_a_row >= health.bad_in_a_row;
+    if (gate.level != SENSOR_LOST) gate.causes = 0.0;
+    if (gate.level != SENSOR_LOST || !is_known) return false;
+    const int64_t causes = int64_t(gate.causes), cause = int64_t(1) << std::min(int(gate.reason), LAST_CAUSE);
+    gate.causes = double(causes | cause);
+    return (causes & cause) == 0;
+}
+
 // Which sensors have become worse in this tick, or have another noise or interval than the nominal one.
 int watch_sensors(const Core &core) {
     const SenseDesign &design = core.design;
@@ -219,7 +234,8 @@ int watch_sensors(const Core &core) {
         // a reading that is refused is said to be one alone once the next is not; a jump that is taken off, at once
         const bool is_told = gate.good_in_a_row > 0.0 || (gate.reason == JUMP && sensor != design.mru);
         const double level = gate.level == SENSOR_SUSPECT && !is_told ? gate.reported : gate.level;
-        int found = level > gate.reported ? SENSOR_WORSE : 0;
+        const bool is_lost_anew = has_new_cause(design.health, gate);
+        int found = level > gate.reported || is_lost_anew ? SENSOR_WORSE : 0;
         gate.reported = level;
         if (design.sensors[sensor].is_watched && is_slow(design.health, gate.interval)) found |= SENSOR_SLOW;
         gate.news = found;

@@ -206,6 +206,8 @@ def test_a_map_that_names_what_the_plc_does_not_have_is_told_in_one_line(kind, c
     ("change", "words"),
     [
         (("", ""), ""),
+        (("brake: 'input:4.0'", "brake: 'input:4.9'"), "input:4.9 must read engaged before and after the move"),
+        (("unit: ms}", "unit: s}"), "its own time runs 1e+03 times as fast as time passes: check unit and scale"),
         (("scale: 10.0, positive: in", "scale: 10.0, positive: out"), "reversed. Check positive"),
         (("scale: 10.0", "scale: 100.0"), "braked: "),
         (("word_order: big", "word_order: little"), "with word_order: big it moved by"),

@@ -140,6 +140,18 @@ def test_a_value_beyond_the_plausible_is_no_zero():
     assert sent == [{}, {"payout": 0.0}, {"payout": 2.0}]
 
 
+@pytest.mark.parametrize("turn", [2.14e9, -1.9e9])
+def test_a_counter_that_has_run_for_years_begins_anywhere_and_its_zero_is_the_first_that_another_confirms(turn):
+    """Some 2000 km of rope by a count of millimetres in 32 bits: it was refused for ever."""
+    entry = {"field": "input:0:int32", "unit": "mm", "zero_at_start": True}
+    taker = Taker(device_map_of("m", {"source": {"modbus": "1"}, "payout": entry}))
+    counts = [turn + k for k in (0, 0, 2e3, 5e5, -4e7, 5e5)]
+    sent = [taker.of_sample(Sample("MODBUS", {"input:0:int32": one}), 0.0).values for one in counts]
+    assert sent[:4] == [{}, {"payout": 0.0}, {"payout": 2.0}, {"payout": 500.0}]
+    assert sent[4:] == [{}, {"payout": 500.0}], "40 km from the zero is none"
+    assert taker.counters.implausible == {"payout": 1}
+
+
 @pytest.mark.parametrize(("order", "hint"), [("big", ""), ("little", "with word_order: big it moved by +0.0001 m")])
 def test_a_fine_count_in_the_other_order_is_known_by_how_far_it_went_since_it_was_asked(order, hint):
     """One of micrometres: swapped, each is 65.5 mm, which a drum may do; its last reading has not moved."""

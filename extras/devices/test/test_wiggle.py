@@ -6,7 +6,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from heave_bringup.errors import ExitStatus, VerdictError
-from heave_devices.bench.wiggle import DURATION, LEAST, Reading, is_too_far, judge, move_at, other_verdicts
+from heave_devices.bench.wiggle import DURATION, LEAST, is_too_far, judge, move_at, other_verdicts
+from heave_devices.bench.winch import Sample
 from heave_devices.commands import adapt
 
 DISTANCE, STEP = 0.02, 0.02
@@ -19,7 +20,7 @@ def drum(gain=1.0, rate_gain=1.0, lag=0.15, count_gain=1.0):
     for time in np.arange(0.0, DURATION, STEP):
         rate += (gain * move_at(time, DISTANCE)[1] - rate) * STEP / lag
         payout += rate * STEP
-        readings.append(Reading(time + STEP, count_gain * payout, rate_gain * rate))
+        readings.append(Sample(time + STEP, count_gain * payout, rate_gain * rate, brake=0.0, fault=0.0))
     return readings
 
 
@@ -71,7 +72,7 @@ def test_a_drum_that_runs_away_is_seen_within_millimetres():
 )
 def test_what_a_move_cannot_show_is_no_pass_until_somebody_has_seen_it(was_tripped, seen, untried, capsys):
     """Both signs reversed, a fault bit that never sets and a reset that resets nothing move as a right winch does."""
-    verdicts = judge(drum(), DISTANCE) + other_verdicts(("fault", "reset"), was_tripped=was_tripped)
+    verdicts = judge(drum(), DISTANCE) + other_verdicts(("fault", "reset"), {}, was_tripped=was_tripped)
     session = SimpleNamespace(alone=lambda _: verdicts)
     options = argparse.Namespace(json=None, wiggle=20.0, seen=seen)
     if untried:
@@ -83,6 +84,15 @@ def test_what_a_move_cannot_show_is_no_pass_until_somebody_has_seen_it(was_tripp
     shown = capsys.readouterr()
     assert ("verdict: passed" in shown.err) is (not untried)
     assert shown.out.count("not tried") == len(untried.split())
+
+
+def test_what_is_wrong_beside_the_move_is_a_verdict_that_has_failed():
+    wrong = {"brake": "input:4.2 must read engaged", "device_time": ""}
+    verdicts = judge(drum(), DISTANCE) + other_verdicts((), wrong, was_tripped=False)
+    session = SimpleNamespace(alone=lambda _: verdicts)
+    with pytest.raises(VerdictError, match="brake: not as the map says") as found:
+        adapt._wiggle(argparse.Namespace(json=None, wiggle=20.0, seen=["direction"]), session)
+    assert "device_time" not in str(found.value)
 
 
 def test_a_wrong_map_is_a_verdict_that_has_failed():

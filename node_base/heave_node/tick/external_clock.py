@@ -6,10 +6,11 @@ time (`use_sim_time`). `own`: its stamp is of a clock of its own, whose offset a
 stamp is 0, and the time of its arrival counts.
 
 Estimate of an own clock: stamp and arrival differ by the offset of the clocks and by the delay of the message, which is
-never negative. So in each second the message with the smallest difference is the one with the least delay, and a
-straight line through these smallest differences of the last minute is offset and drift (the lower envelope: S. Moon,
-P. Skelly, D. Towsley, "Estimation and removal of clock skew from network delay measurements", INFOCOM 1999). The least
-delay itself cannot be separated from the offset: it counts as zero.
+never negative. So in each second the message with the smallest difference is the one with the least delay, and of the
+straight lines below these smallest differences of the last minute the one that is nearest to them is offset and drift
+(S. Moon, P. Skelly, D. Towsley, "Estimation and removal of clock skew from network delay measurements", INFOCOM 1999):
+the edge of their lower convex hull in the middle of the minute. Messages that are late for less than half a minute do
+not touch it. The least delay itself cannot be separated from the offset: it counts as zero.
 """
 
 from __future__ import annotations
@@ -56,7 +57,6 @@ class ExternalClock:
         self.violation = ""
         self.violations = 0
         self._second = -1
-        self._least = 0
         self._envelope: deque[tuple[float, float]] = deque(maxlen=_WINDOW)
         self._reference: int | None = None
         self._offset, self._drift = 0.0, 0.0
@@ -132,25 +132,25 @@ class ExternalClock:
         return delay < -_STEP_BACK or self._far_in_a_row >= _STEPPED
 
     def _note(self, arrival: int, difference: int) -> None:
-        """Keep the smallest difference of each second, and fit the line again when a second is over."""
+        """Keep the smallest difference of each second, and fit the line again where there is a new one."""
         second = arrival // _SECOND
-        if second != self._second:
-            self._second, self._least = second, difference
-            self._envelope.append((arrival / _SECOND, difference / _SECOND))
-            self._fit()
-        elif difference < self._least:
-            self._least = difference
-            self._envelope[-1] = (arrival / _SECOND, difference / _SECOND)
-            self._fit()
+        if second == self._second:
+            if difference / _SECOND >= self._envelope[-1][1]:
+                return
+            self._envelope.pop()
+        self._second = second
+        self._envelope.append((arrival / _SECOND, difference / _SECOND))
+        self._fit()
 
     def _fit(self) -> None:
         times, least = np.array(self._envelope).T
-        if len(times) <= _DRIFT_AFTER:
-            self._offset, self._drift = float(least.min()), 0.0
-            return
-        middle = times.mean()
-        centred = times - middle
-        self._drift = float(centred @ (least - least.mean()) / (centred @ centred))
+        self._drift = 0.0
+        if len(times) > _DRIFT_AFTER:
+            middle = times.mean()
+            early = times < middle
+            slopes = (least[~early] - least[early, None]) / (times[~early] - times[early, None])
+            in_middle = least[early, None] + slopes * (middle - times[early, None])
+            self._drift = float(slopes.flat[in_middle.argmin()])
         self._offset = float((least - self._drift * times).min())
 
     @property

@@ -81,7 +81,7 @@ def health_of(device: LiveDevice, before: Mapping[str, float]) -> Health:
         device.adapter.speed_travel.words: bool(device.adapter.speed_travel.words),
         "; ".join(taker.missing): figures["missing_fields"] > before.get("missing_fields", 0),
         f"not used: {taker.worst}": figures["implausible"] > before.get("implausible", 0),
-        (clock := _clock_words(device)): bool(clock),
+        (clock := clock_words(device)): bool(clock),
     }
     if error := next((text for text, is_present in errors.items() if is_present), ""):
         return Health(name, Level.ERROR, error, values)
@@ -92,7 +92,7 @@ def health_of(device: LiveDevice, before: Mapping[str, float]) -> Health:
     return Health(name, values=values)
 
 
-def _clock_words(device: LiveDevice) -> str:
+def clock_words(device: LiveDevice) -> str:
     """Return in words that the own time of a `device` is none, or has another unit; "": it is one, or not yet known."""
     for rate in [clock.rate for clock in device.adapter.clocks.values() if device.device.clock == "own"]:
         if not LEAST_RATE < rate < LARGEST_RATE and math.isfinite(rate):

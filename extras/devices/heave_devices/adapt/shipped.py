@@ -25,9 +25,7 @@ def title_of(path: Path) -> str:
 
 def find_map(name: str) -> DeviceMap:
     """Return the map that is a file, or the shipped one, called `name`. Raises ParameterError where there is none."""
-    path = Path(name)
-    if not path.exists() and name in shipped_maps():
-        path = shipped_maps()[name]
+    path = Path(name) if Path(name).exists() else shipped_maps().get(name, Path(name))
     if not path.exists():
         raise ParameterError(
             f"{name}: there is no such file, and no map is shipped by that name: see heave adapt --list"

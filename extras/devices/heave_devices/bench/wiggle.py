@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 import statistics
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from itertools import pairwise
 from typing import NamedTuple
 
@@ -18,8 +18,9 @@ from heave_bringup.errors import CommandError
 from heave_node.parameters import ParameterError
 
 from heave_devices.adapt.device import LiveDevice
+from heave_devices.adapt.report import clock_words
 from heave_devices.bench.real_winch import RealPart, is_winch, words_of
-from heave_devices.bench.winch import release
+from heave_devices.bench.winch import PERIOD, RELEASE, Sample, release
 from heave_devices.maps.device_map import DeviceMap
 
 MOVE_TIME = 4.0
@@ -33,14 +34,6 @@ LEAST, LARGEST = 1e-3, 0.1
 _SHARE = 0.2
 """A place or speed within this share of the commanded one is right: gain, play and rounding of a drive at rest."""
 DURATION = 2.0 * MOVE_TIME + 3.0 * REST_TIME
-
-
-class Reading(NamedTuple):
-    """What the winch said of itself."""
-
-    time: float  # since the wiggle began [s]
-    payout: float  # [m]; NaN: not known
-    payout_rate: float  # [m/s]; NaN: not known
 
 
 class Verdict(NamedTuple):
@@ -80,8 +73,8 @@ def is_too_far(payout: float, start: float, distance: float) -> bool:
     return abs(payout - start) > 3.0 * distance + 0.005
 
 
-def judge(readings: Sequence[Reading], distance: float) -> list[Verdict]:
-    """Return what the `readings` of a whole wiggle of a `distance` [m] show."""
+def judge(readings: Sequence[Sample], distance: float) -> list[Verdict]:
+    """Return what the `readings` of a whole wiggle of a `distance` [m] show, with times since it began."""
     first = _place(readings, REST_TIME)
     middle = _place(readings, 2.0 * REST_TIME + MOVE_TIME)
     last = _place(readings, DURATION)
@@ -89,8 +82,8 @@ def judge(readings: Sequence[Reading], distance: float) -> list[Verdict]:
         return [Verdict("payout", False, "the winch did not say where it is in each rest: check the link")]
     out, back = middle - first, last - middle
     turning = [found for found in readings if REST_TIME < found.time <= 2.0 * REST_TIME + MOVE_TIME]
-    rates = [found for found in turning if math.isfinite(found.payout_rate)]
-    by_rate = sum(0.5 * (a.payout_rate + b.payout_rate) * (b.time - a.time) for a, b in pairwise(rates))
+    rates = [found for found in turning if math.isfinite(found.rate)]
+    by_rate = sum(0.5 * (a.rate + b.rate) * (b.time - a.time) for a, b in pairwise(rates))
     has_turned = abs(by_rate / distance - 1.0) <= _SHARE
     moves = (("payout, out", out, distance), ("payout, back", back, -distance))
     verdicts = [_compare(*move, has_turned=has_turned) for move in moves]
@@ -99,14 +92,19 @@ def judge(readings: Sequence[Reading], distance: float) -> list[Verdict]:
     return verdicts
 
 
-def other_verdicts(has: Sequence[str], *, was_tripped: bool) -> list[Verdict]:
-    """Return what a wiggle shows beside the move of what a map `has`, of a drive that `was_tripped` before, or not."""
+def other_verdicts(trips: Sequence[str], wrong: Mapping[str, str], *, was_tripped: bool) -> list[Verdict]:
+    """Return what a wiggle shows beside the move: what is `wrong`, "" if nothing is, and `trips` that it has tried."""
     trip = "the drive had tripped, and was reset" if was_tripped else "the drive had not tripped. Trip it, and repeat"
     look = "the drum must have paid out first, then hauled in: look. If not, both signs are reversed"
-    return [Verdict("direction", True, look, is_tried=False), *(Verdict(name, True, trip, was_tripped) for name in has)]
+    seen = [Verdict(name, not words, words or "as the map says") for name, words in wrong.items()]
+    return [
+        *seen,
+        Verdict("direction", True, look, is_tried=False),
+        *(Verdict(n, True, trip, was_tripped) for n in trips),
+    ]
 
 
-def _place(readings: Sequence[Reading], end: float) -> float:
+def _place(readings: Sequence[Sample], end: float) -> float:
     found = [reading.payout for reading in readings if end - _LOOK <= reading.time <= end]
     return statistics.fmean(found) if found else math.nan
 
@@ -141,17 +139,26 @@ def wiggle(device: LiveDevice, spin: Callable[[float], None], distance: float) -
     """
     part = RealPart(device, spin, lambda _: None)
     was_tripped = bool(device.adapter.newest.get("fault", 0.0))
+    channels, command = device.device.channels, device.device.command
+    is_braked = _brake(part)
     try:
         readings = _move(device, part, distance)
     finally:
-        part.step(0.0, 0.0, brake=True)
-    command = device.device.command
+        is_braked = _brake(part) and is_braked
     orders = [order.quantity for order in command.orders] if command is not None else []
-    has = [name for name, known in (("fault", device.device.channels), ("reset", orders)) if name in known]
-    return judge(readings, distance) + other_verdicts(has, was_tripped=was_tripped)
+    trips = [name for name, known in (("fault", channels), ("reset", orders)) if name in known]
+    wrong = {"device_time": clock_words(device)} if "device_time" in channels else {}
+    if "brake" in channels:
+        wrong["brake"] = "" if is_braked else f"{channels['brake'].field} must read engaged before and after the move"
+    return judge(readings, distance) + other_verdicts(trips, wrong, was_tripped=was_tripped)
 
 
-def _move(device: LiveDevice, part: RealPart, distance: float) -> list[Reading]:
+def _brake(part: RealPart) -> bool:
+    """Order the brake of a winch, `part`; return whether it reads engaged within the time that one has."""
+    return any(part.step(0.0, 0.0, brake=True).brake for _ in range(round(RELEASE[1] / PERIOD)))
+
+
+def _move(device: LiveDevice, part: RealPart, distance: float) -> list[Sample]:
     name = device.device.name
     try:
         sample = start = release(part, name)
@@ -160,7 +167,7 @@ def _move(device: LiveDevice, part: RealPart, distance: float) -> list[Reading]:
     taker = device.adapter.taker
     readings, sent = [], taker.sent("payout")
     while (elapsed := sample.time - start.time) < DURATION:
-        readings.append(Reading(elapsed, sample.payout, sample.rate))
+        readings.append(sample._replace(time=elapsed))
         moved, rate = move_at(elapsed, distance)
         sample = part.step(start.payout + moved, rate, brake=False)
         if sample.brake or sample.fault:

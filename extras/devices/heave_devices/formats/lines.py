@@ -36,8 +36,9 @@ class LineDecoder(ABC):
             self.counters.malformed += 1
             return []
         line = piece.decode("latin-1").strip()
-        sample = read(line) if line else None
-        return [] if sample is None else [sample]
+        samples = [sample for sample in [read(line) if line else None] if sample is not None]
+        self.counters.samples += len(samples)
+        return samples
 
     def _read_unended(self, line: str) -> Sample | None:
         """Return the sample of the last line of a datagram or file, which nothing ends."""

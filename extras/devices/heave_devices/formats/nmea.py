@@ -55,7 +55,6 @@ class NmeaDecoder(LineDecoder):
         if sample is None:
             self.counters.note_unknown(f"{name},{rest.partition(',')[0]}"[:16])
             return None
-        self.counters.samples += 1
         return sample
 
     def _is_whole(self, sentence: str, name: str) -> bool:

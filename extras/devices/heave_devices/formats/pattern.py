@@ -65,7 +65,6 @@ class PatternDecoder(LineDecoder):
             return None
         given = {name: text.strip() for name, text in found.groupdict().items() if name in self.fields and text}
         values = {name: number(text) for name, text in given.items() if is_number(text)}
-        self.counters.samples += 1
         return Sample("LINE", values, words={name: text for name, text in given.items() if name not in values})
 
     def _is_whole(self, found: re.Match[str]) -> bool:

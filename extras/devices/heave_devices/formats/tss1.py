@@ -40,7 +40,6 @@ class Tss1Decoder(LineDecoder):
             self.counters.malformed += not is_cut
             return None
         self.counters.incomplete_lines += _BEGUN.search(begun) is not None
-        self.counters.samples += 1
         up = int(found["up"], 16)
         angle = math.radians(_CENTI)
         values = {

@@ -92,6 +92,7 @@ class Taker:
             if channel.high_pass or channel.velocity
         }
         self.zeros: dict[str, float] = {}
+        self._starts: dict[str, float] = {}
         self._sent: dict[str, tuple[float, float]] = {}
         self._count = math.nan
         self._paths = {
@@ -122,7 +123,7 @@ class Taker:
             if channel.topic != topic:
                 continue
             try:
-                if channel.valid and not channel.is_valid(_status(self._paths[channel.valid].of(message))):
+                if channel.valid and not channel.is_valid(self._paths[channel.valid].of(message)):
                     taken.invalid.add(name)
                     continue
                 self._put(taken, name, self._number(channel, message))
@@ -195,11 +196,17 @@ class Taker:
         """Return whether a `value`, sent as `raw`, cannot be one of a quantity; it is then counted and put in words."""
         largest = QUANTITIES[name].largest
         is_tiny = 0.0 < abs(raw) < _LEAST_FLOAT and QUANTITIES[name].is_measured
-        if abs(value) <= largest and not is_tiny:
+        start = self.zeros.get(name, self._starts.get(name, math.inf))
+        if min(abs(value), abs(value - start)) <= largest and not is_tiny:
             return False
+        in_other_order = self._other_order(name, raw)
+        if self._channels[name].zero_at_start and name not in self.zeros and not in_other_order:
+            was_one, self._starts[name] = name in self._starts, value
+            if not was_one:  # a counter may begin anywhere: the next one says whether this is one
+                return True
         self.counters.implausible[name] = self.counters.implausible.get(name, 0) + 1
         what = "no instrument reads it" if is_tiny else f"at most {largest:g} can be"
-        hint = self._other_order(name, raw) or "check unit, scale and column of the map"
+        hint = in_other_order or "check unit, scale and column of the map"
         self.counters.worst = f"{name} = {value:.4g}, {what}: {hint}"
         return True
 
@@ -239,7 +246,3 @@ class Taker:
         except ValueError:  # a number that its kind does not hold
             return "", math.nan
         return ("big" if order == "little" else "little"), (math.nan if is_fill(other, kind) else other)
-
-
-def _status(value: Any) -> float | str:
-    return value if isinstance(value, str) else float(value)

@@ -238,13 +238,9 @@ def _check(device: DeviceMap) -> None:
             device.format and device.format not in _FORMATS,
             f"format = {device.format!r} must be one of {', '.join(_FORMATS)}",
         ),
-        (
-            bool(device.pattern) != (device.format == LINE),
-            f"pattern belongs to format: {LINE}, and {LINE} needs it",
-        ),
-        (
-            (device.layout is not None) != (device.format == DATAGRAM),
-            f"layout belongs to format: {DATAGRAM}, and {DATAGRAM} needs it",
+        *(
+            (bool(entry) != (device.format == kind), f"{name} belongs to format: {kind}, and {kind} needs it")
+            for name, entry, kind in (("pattern", device.pattern, LINE), ("layout", device.layout, DATAGRAM))
         ),
         outside("timeout", device.timeout, 0.05, 60.0, " s"),
         outside("latency", device.latency, 0.0, LARGEST_LATENCY, " s"),

@@ -249,12 +249,10 @@ def unwrapped(time: Array) -> tuple[Array, list[str]]:
         if turns.any() and time[good].min() >= 0.0 and time[good].max() <= period:
             added = np.zeros(time.size)
             added[good[1:]] = period * np.cumsum(turns)
-            return time + added, [f"time: passes {name} {_times(int(turns.sum()))}"]
+            count = int(turns.sum())
+            times = {1: "once", 2: "twice"}.get(count, f"{count} times")
+            return time + added, [f"time: passes {name} {times}"]
     return time, []
-
-
-def _times(count: int) -> str:
-    return {1: "once", 2: "twice"}.get(count, f"{count} times")
 
 
 def gps_time(week: Array, second: Array) -> tuple[Array, list[str]]:
