@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from heave_bringup.closed_loop import ClosedLoop, loop_parameters
 from heave_bringup.scenarios import load_scenario
+from heave_core.law_table import ACT_DONE
 from heave_core.watch_table import LoadNews
 from heave_fmu.compiled.build import compile_sources, controller_sources
 from heave_fmu.compiled.image import leave_out_plans
@@ -23,7 +24,7 @@ MACHINE, EMULATOR = "aarch64-linux-gnu-", "qemu-aarch64"
 AGREEMENT = 1e-12
 """Largest difference of an order [m], [m/s]: the mathematical libraries of two machines differ in the last bit."""
 MODES = list(Mode)
-LOAD_NEWS = 8  # place among what the tick says of its order
+LOAD_NEWS = [row.name for row in ACT_DONE.rows].index("load_news")
 SETTINGS = (
     *("winch_controller.law=lqg", "all.duration=60", "wave_vessel.mru.faults.kind=[gap]"),
     *("wave_vessel.mru.faults.start=[40.0]", "wave_vessel.mru.faults.duration=[6.0]"),

@@ -225,7 +225,7 @@ class HeaveNode(PortedNode):
         self._asked[key] = f"{self._asked[key]}, {words}" if key in self._asked else words
 
     def report(self, tick: Tick, *, is_answered: bool) -> None:
-        """Publish the health of this node: with its part of `tick`, or in real time after it, where nobody waits.
+        """Publish the health of this node: with its part of `tick`, or in real time once that `is_answered`.
 
         How far a node is behind that lags is chance in lockstep: it would describe the machine, not the run.
         """

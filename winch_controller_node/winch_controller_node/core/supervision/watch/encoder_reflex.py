@@ -79,12 +79,13 @@ class EncoderReflex:
         """Why compensation must be off until an operator asks for it; None: it need not."""
         if not self.is_unresolved:
             return None
-        return self.named or ALARMS.alarm(f"DRUM_OR_ENCODER: unresolved {self._wrong('reversal', 'scale')}")
+        names = "DRUM_OR_ENCODER: unresolved reversal", "DRUM_OR_ENCODER: unresolved scale"
+        return self.named or ALARMS.alarm(self._wrong(*names))
 
     @property
     def alarm(self) -> Alarm:
         """Why the encoder was set aside."""
-        return ALARMS.alarm(f"DRUM_OR_ENCODER: {self._wrong('reversed', 'scale')}")
+        return ALARMS.alarm(self._wrong("DRUM_OR_ENCODER: reversed", "DRUM_OR_ENCODER: scale"))
 
     def _wrong(self, direction: str, scale: str) -> str:
         return direction if self.state["is_reversed"][0] else scale
