@@ -23,11 +23,15 @@ void add_to(AmplitudeCheck &check, const GuardDesign &design, const AmplitudeLim
 // Time that is left after a tick [s].
 double count_down(double &left, double tick_period) { return left = std::max(left - tick_period, 0.0); }
 
-// The unit gains speed with the mean payout once its cable is longer by a times the acceleration, on a soft cable by
-// metres: the law pays that out within the memory of the check, and hauls it in while the unit comes along.
+// The unit gains speed with the mean payout once its cable is longer by D, a times the acceleration, on a soft cable by
+// metres: the law pays that out within the memory T of the check, and hauls it in while the unit comes along. The
+// quickest drum speeds up over half of D and slows down over the other, with v = sqrt(D u'') between: its mean square
+// over T is (2/3) v D / T. That of a drum that takes all of T is (D / T)^2.
 void follow_mean(const GuardDesign &design, GuardState &state, double acceleration) {
     const double fading = design.tick_period / std::max(std::sqrt(design.inertia), design.tick_period);
-    const double asked = design.inertia * std::abs(acceleration) / design.drum.time;
+    const double length = design.inertia * std::abs(acceleration), mean = length / design.drum.time;
+    const double peak = std::min(std::sqrt(length * design.acceleration), design.speed);
+    const double asked = std::max(mean, std::sqrt(2.0 / 3.0 * peak * mean));
     state.gain_speed = std::max(asked, (1.0 - fading) * state.gain_speed);
 }
 
