@@ -5,7 +5,7 @@ import osqp
 import pytest
 import scipy.sparse as sp
 from heave_bringup.scenarios import load_scenario
-from heave_core.law_table import COMMAND_STATE, Way
+from heave_core.law_table import COMMAND_STATE, RowKind, Way
 from heave_core.library import new
 from heave_node.parameters import build_parameters
 from hypothesis import given
@@ -28,7 +28,7 @@ from winch_controller_node.model.lqr import DesignError
 from winch_controller_node.node_parameters import WinchControllerParameters
 from winch_controller_node.parameters.model import SeaModelParameters, WinchModelParameters
 
-from tests.core_parts import LoopNow, bounds, pose
+from tests.core_parts import LoopNow, bounds, part, pose
 
 DT = 0.05
 
@@ -93,6 +93,22 @@ def test_the_gain_spares_the_command_once_a_limit_shapes_the_plan_and_slides_bac
         remaining.append(np.linalg.norm(law.gain - full))
     assert np.all(np.diff(remaining) < 0.0)
     assert remaining[-1] == pytest.approx(np.exp(-1.0) * np.linalg.norm(sparing - full), rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("rate", "lower", "upper"), [(0.0, -0.5, 0.5), (0.8, -0.5, 0.5), (1.8, -0.5, 0.2), (-1.8, -0.2, 0.5)]
+)
+def test_the_envelope_bounds_a_plan_about_the_mean_payout_and_the_winch_bounds_all_of_it(design, rate, lower, upper):
+    """2 m/s of the winch, 0.5 m/s of the envelope: a mean payout at 0.8 m/s is planned as one that stands."""
+    law, tension = make_law(design), design.cable.static_tension
+    core = law.core
+    core.pose((0.0, rate, rate, tension, tension, 0.0, 0.0, 0.5), np.zeros(design.model.order))
+    part("bound_plan")(core.winch, core.law, core.problem, core.state)
+    ends, found = core.law["ends"][0], law.planner.bounds()
+    for kind in (RowKind.PLANNED_SPEED, RowKind.PLANNED_SET_POINT):
+        rows = slice(ends[kind - 1] if kind else 0, ends[kind])
+        for values, expected in zip(found, (lower, upper), strict=True):
+            np.testing.assert_allclose(values[rows], expected, rtol=1e-12)
 
 
 def plan_by_rollout(design, law, state):

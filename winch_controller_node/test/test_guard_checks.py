@@ -130,6 +130,27 @@ def test_a_drum_may_let_the_unit_gain_speed_with_the_mean_payout_for_some_second
     assert found.index(True) * DT - 40.0 == pytest.approx(8.5, abs=0.3)
 
 
+@pytest.mark.parametrize(
+    ("acceleration", "rate", "speed", "is_off"),
+    [(0.05, 0.0, 0.41, False), (0.05, 0.0, 0.46, True), (0.0, 0.1, 0.44, False), (0.0, 0.1, 0.49, True)],
+)
+def test_cable_that_lets_the_unit_gain_speed_may_be_paid_out_as_quickly_as_the_winch_accelerates(
+    acceleration, rate, speed, is_off
+):
+    """a = 7 s^2: 0.35 m for 0.05 m/s^2, at 1.5 m/s^2 with a peak of 0.725 m/s; 0.265 m for 0.1 m/s, with 0.63 m/s.
+
+    The square of a triangle is a third of that of its peak in the mean: over 2 s 0.0845 and 0.0556 m^2/s^2. A unit at
+    0.1 m/s may be stopped with 2 * 0.1 m/s beside. Allowed are 1.5 sqrt(0.0845) = 0.436, 1.5 sqrt(0.0956) = 0.464 m/s.
+    """
+    checks = Checks(GuardedLoop(LIMITS, inertia=7.0), 4.0)
+    checks.core.state["authority"] = FULL
+    found = False
+    for _ in times(40.0):
+        checks.step(Seen(unit_rate=rate, payout_rate=speed, mean_acceleration=acceleration))
+        found = found or checks.drum_is_off
+    assert found is is_off
+
+
 @pytest.mark.parametrize("inertia", [0.25, 4.0])
 @pytest.mark.parametrize(("share", "is_allowed"), [(0.2, False), (0.6, True)])
 def test_stopping_a_unit_that_swings_is_no_harm_of_the_drum(share, is_allowed, inertia):

@@ -23,11 +23,17 @@ void add_to(AmplitudeCheck &check, const GuardDesign &design, const AmplitudeLim
 // Time that is left after a tick [s].
 double count_down(double &left, double tick_period) { return left = std::max(left - tick_period, 0.0); }
 
-// The unit gains speed with the mean payout once its cable is longer by a times the acceleration, on a soft cable by
-// metres: the law pays that out within the memory of the check, and hauls it in while the unit comes along.
-void follow_mean(const GuardDesign &design, GuardState &state, double acceleration) {
+// The unit gains speed with the mean payout once its cable is longer by a times the acceleration, and what it is behind,
+// within sqrt(a), once that is longer by sqrt(a) z': on a soft cable metres. The law pays that length D out within the
+// memory T of the check, and hauls it in while the unit comes along. The quickest drum speeds up over half of D and slows
+// down over the other, with v = sqrt(D u'') between: its mean square over T is (2/3) v D / T. One that takes all of T for
+// the mean payout's share makes the square of that over T.
+void follow_mean(const GuardDesign &design, GuardState &state, const Seen &seen) {
     const double fading = design.tick_period / std::max(std::sqrt(design.inertia), design.tick_period);
-    const double asked = design.inertia * std::abs(acceleration) / design.drum.time;
+    const double steady = design.inertia * std::abs(seen.mean_acceleration), time = design.drum.time;
+    const double length = steady + std::sqrt(design.inertia) * std::abs(seen.unit_rate);
+    const double peak = std::min(std::sqrt(length * design.acceleration), design.speed);
+    const double asked = std::max(steady / time, std::sqrt(2.0 / 3.0 * peak * length / time));
     state.gain_speed = std::max(asked, (1.0 - fading) * state.gain_speed);
 }
 
@@ -54,7 +60,7 @@ void check_drum(const GuardDesign &design, GuardState &state, const Seen &seen, 
     state.exchanged_swing = change == 0.0 ? faded : swings.free;
     const double to_stop = square(design.swing_work) * (swings.unit + state.exchanged_swing) + swings.free;
     const double work = design.inertia > 0.0 ? to_stop / design.inertia : 0.0;
-    follow_mean(design, state, seen.mean_acceleration);
+    follow_mean(design, state, seen);
     const double missing = missing_speed(design, state, intended);
     state.is_out_of_reach = std::abs(missing) > design.beyond * design.speed;
     const double reference =

@@ -64,16 +64,17 @@ void bound_plan(const ActiveWinch &winch, const Law &law, const Problem &problem
     const int *ends = law.ends, rows = ends[PLAN_KINDS - 1];
     const double swing = plan_freely(law, problem.x, state);
     const double under = std::isfinite(winch.power) ? speed_under(winch, problem.static_tension + swing) : winch.speed;
-    const double limited = std::min(under, problem.speed);
-    const double taken = acceleration_taken(winch, problem), reach = winch.reach * limited;
+    const double taken = acceleration_taken(winch, problem);
     const double asked = problem.command - winch.position_gain * problem.payout, fixed = problem.static_tension;
     const double none = std::numeric_limits<double>::infinity(), most = problem.bounds_tension ? winch.most_tension : none;
-    const double middle[] = {-problem.rate, -taken, -asked}, width[] = {limited, winch.linear_step / winch.lag, reach};
+    const double middle[] = {-problem.rate, -taken, -asked};
+    const double width[] = {under, winch.linear_step / winch.lag, winch.reach * under};
+    const double about[] = {problem.speed, none, winch.reach * problem.speed};  // the mean payout, of the envelope
     for (int i = 0, kind = 0; i < rows; i++) {
         while (i >= ends[kind]) kind++;
         if (kind < PLANNED_PAYOUT) {
-            state.lower[i] = middle[kind] - width[kind];
-            state.upper[i] = middle[kind] + width[kind];
+            state.lower[i] = std::max(middle[kind] - width[kind], -about[kind]);
+            state.upper[i] = std::min(middle[kind] + width[kind], about[kind]);
         } else if (kind == PLANNED_PAYOUT) {
             const double mean = problem.payout + problem.rate * law.times[i - ends[PLANNED_SET_POINT]];
             state.lower[i] = winch.lowest - mean;
