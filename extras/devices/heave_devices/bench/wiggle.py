@@ -93,7 +93,7 @@ def judge(readings: Sequence[Sample], distance: float) -> list[Verdict]:
 
 
 def other_verdicts(trips: Sequence[str], wrong: Mapping[str, str], *, was_tripped: bool) -> list[Verdict]:
-    """Return what a wiggle shows beside the move: what is `wrong`, "" if nothing is, and `trips`, if it `was_tripped`."""
+    """Return what a wiggle shows beside the move: what is `wrong`, "": nothing; `trips`, tried if it `was_tripped`."""
     trip = "the drive had tripped, and was reset" if was_tripped else "the drive had not tripped. Trip it, and repeat"
     look = "the drum must have paid out first, then hauled in: look. If not, both signs are reversed"
     seen = [Verdict(name, not words, words or "as the map says") for name, words in wrong.items()]
