@@ -85,6 +85,6 @@ class AfterStop:
         )
         return (
             ALARMS.alarm(
-                "LOAD_SWINGS", swing=swing, locked=locked, period=decay.period, half=decay.half / 60.0, remedy=remedy
+                "LOAD_SWINGS", swing=swing, locked=locked, period=decay.period, half=decay.half, remedy=remedy
             ),
         )
