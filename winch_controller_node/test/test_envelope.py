@@ -135,7 +135,8 @@ def test_every_margin_is_a_field_of_the_parameters_and_nothing_else_fills_the_de
 
 
 def test_every_cause_has_its_alarm_and_every_alarm_of_the_envelope_is_high():
-    sent = [SimpleNamespace(cause=cause, value=1.0, limit=0.5) for cause in Cause if cause is not Cause.NOTHING]
+    causes, phases = [cause for cause in Cause if cause is not Cause.NOTHING], (Phase.HELD, Phase.CAUGHT)
+    sent = [SimpleNamespace(cause=one, phase=phase, value=1.0, limit=0.5) for one in causes for phase in phases]
     assert {_alarm(one, "the law lqg").severity.word for one in sent} == {"high", "critical"}
 
 
