@@ -131,8 +131,8 @@ class ClosedLoop:
         delivered = self._deliver(readings, vessel)
         poses = [pose_of(pose_to_wire(pose)) for pose in vessel.crane]
         outputs = self._source.step(tick, delivered, poses)
-        if outputs.observations is not None and self.adviser is not None:
-            self.controller.take(self.adviser.advise(outputs.observations))
+        if self.adviser is not None and (observed := outputs.observations) is not None:
+            self.controller.take(self.adviser.advise(observed))
         row = np.array(
             [
                 state.time,

@@ -38,6 +38,19 @@ CAUSES = Size("CAUSES", len(LoadNews))
 """Causes that are watched."""
 
 
+class ReflexNews(IntEnum):
+    """What the reflex about the encoder has found before a tick."""
+
+    ENCODER_FOUND = 1
+    COUNT_STEPPED = 2
+    COUNT_AGREES = 4
+    COUNT_JUDGED = 8
+    COUNT_DISPUTED = 16
+    BELIEFS_REFUTED = 32
+    ENCODER_REFUTED = 64
+    ENCODER_TRUSTED = 128
+
+
 class LinkNews(IntEnum):
     """What has just become wrong with the commands."""
 
@@ -221,20 +234,6 @@ DRUM_ROW = structure(
     Row("reading", "m", "of the encoder; NaN: none"),
     Row("is_limited", "", "1: the winch reports that a limit acted"),
 )
-
-
-class ReflexNews(IntEnum):
-    """What the reflex about the encoder has found before a tick."""
-
-    ENCODER_FOUND = 1
-    COUNT_STEPPED = 2
-    COUNT_AGREES = 4
-    COUNT_JUDGED = 8
-    COUNT_DISPUTED = 16
-    BELIEFS_REFUTED = 32
-    ENCODER_REFUTED = 64
-    ENCODER_TRUSTED = 128
-
 
 REFLEX_DESIGN = structure(
     "ReflexDesign",

@@ -44,7 +44,6 @@ from rclpy.task import Future
 
 from winch_controller_node.advice.messages import beliefs_of, observations_message
 from winch_controller_node.advice.watch import AdviserWatch
-from winch_controller_node.beliefs.beliefs import latency_ticks
 from winch_controller_node.core.component import WinchController
 from winch_controller_node.core.supervision.modes import ModeError
 from winch_controller_node.design.design import ControllerDesign
@@ -157,10 +156,10 @@ class WinchControllerNode(ParticipantNode):
         lateness = Lateness(self.punctuality.of_clock, self.punctuality.of_node)
         poses = [pose_of(reading) for reading in self.take(self.crane_pose)]
         measurements = conversions.measurements(delivered, winch, water, preview, lateness)
-        answers, latency = self.take(self.beliefs), latency_ticks(self.run.tick_period)
+        answers = self.take(self.beliefs)
         began = wall.perf_counter()
         for answer in answers:
-            if answer.asked + latency <= tick.number:
+            if self.adviser.is_due(answer.asked, tick.number):
                 self._hear(answer)
         outputs = self.source.step(tick.number, measurements, poses)
         execution = wall.perf_counter() - began
@@ -184,7 +183,7 @@ class WinchControllerNode(ParticipantNode):
         self.move.on_tick(tick.time)
         # the order has left: what is not active yet is read now, and what becomes active next is made so
         for answer in answers:
-            if answer.asked + latency > tick.number:
+            if not self.adviser.is_due(answer.asked, tick.number):
                 self._hear(answer)
         self.controller.settle()
 

@@ -204,8 +204,8 @@ class ControllerPart(Part):
         state = self.inputs[topics.WINCH_STATE.name].newest(now)
         winch = None if state is None else winch_reading_of(state)
         outputs = self._controller.step(tick, measurements(delivered, winch, water))
-        if outputs.observations is not None:
-            self._controller.take(self._adviser.advise(outputs.observations))
+        if (observed := outputs.observations) is not None:
+            self._controller.take(self._adviser.advise(observed))
         self.send(topics.WINCH_COMMAND, tick, (getattr(outputs.order, name) for name in WINCH_COMMAND))
         self.send(topics.CONTROLLER_STATE, tick, (getattr(outputs, name) for name in CONTROLLER_FIELDS))
         return [str(alarm) for alarm in outputs.alarms]

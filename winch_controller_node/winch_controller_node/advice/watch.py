@@ -60,6 +60,10 @@ class AdviserWatch:
         """Note an answer to no question: to that of a controller before this one, or a second one."""
         self.late += 1
 
+    def is_due(self, asked: int, tick: int) -> bool:
+        """Return whether the answer to what was `asked` in a tick is active in this `tick`."""
+        return asked + self._latency <= tick
+
     def refused_late(self) -> None:
         """Note an answer that came too late."""
         self.late += 1

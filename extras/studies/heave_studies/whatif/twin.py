@@ -294,8 +294,8 @@ class Replay:
         record = self._past.record
         given, was = record.measurements[index], record.orders[index]
         outputs = self._controller.step(record.first + index, self._as_read(given, index) if self.is_other else given)
-        if outputs.observations is not None and self._adviser is not None:
-            self._controller.take(self._adviser.advise(outputs.observations))
+        if self._adviser is not None and (observed := outputs.observations) is not None:
+            self._controller.take(self._adviser.advise(observed))
         self.is_other |= was is not None and outputs.order != was
         return outputs
 
