@@ -178,6 +178,19 @@ class Winch(LoopNode):
             threading.Thread(target=time.sleep, args=(60.0,)).start()
 
 
+class Scribe(LoopNode):
+    name = "recorder"
+    lag = 20
+
+    def on_build(self) -> None:
+        self.mru = self.add_input(topics.MRU)
+
+    def on_tick(self, tick) -> None:
+        self.take(self.mru)
+        if self.parameters.fault == "doze" and tick.number == self.parameters.fault_tick:
+            time.sleep(2.0)
+
+
 class Plant(ClockMasterNode):
     name = "cable_sim"
     parameters_type = LoopParameters
@@ -219,7 +232,7 @@ class Plant(ClockMasterNode):
 
 
 if __name__ == "__main__":
-    programs = {program.name: program for program in (Sea, Controller, Winch, Plant)}
+    programs = {program.name: program for program in (Sea, Controller, Winch, Scribe, Plant)}
     if sys.argv[1] == "composed":
         exit_at_once(run_composed([Plant, Sea, Controller, Winch], sys.argv, is_public=False))
     run_process(programs[sys.argv[1]])

@@ -123,6 +123,15 @@ def test_real_time_does_not_wait_for_a_late_participant(loop):
     assert missed >= 10, "0.8 s late at 20 Hz"
 
 
+def test_real_time_misses_no_deadline_for_a_recorder_that_is_behind(loop):
+    names = f"[{', '.join(PEERS)}, recorder]"
+    loop.start("recorder", fault="doze", pacing="realtime", duration=4.0, strict=False, participants=names)
+    loop.start(*PEERS, "cable_sim", pacing="realtime", duration=4.0, strict=False, participants=names)
+    status, out, err = loop.end("cable_sim")
+    assert status == 0, err
+    assert int(out.split("missed=")[1].split()[0]) < 10, "2 s behind are 20 ticks more than it may be"
+
+
 def test_a_participant_that_was_stopped_finds_the_readings_of_each_tick_that_it_makes_up_for(loop):
     start_all(loop, "winch_controller", fault="stop", pacing="realtime", duration=4.0, strict=False)
     status, out, err = loop.end("cable_sim")
