@@ -25,9 +25,6 @@ from tests.campaigns.fault_matrix.faults import BY_NAME, KINDS, NOT_DRAWN, Fault
 from tests.campaigns.fault_matrix.figures import BARS, breaches, broken, kept, line, worst
 from tests.campaigns.fault_matrix.judge import (
     MARGIN,
-    RATE,
-    RATE_MARGIN,
-    TRAVEL,
     Raised,
     asked_more,
     beyond,
@@ -129,10 +126,13 @@ def test_the_envelope_is_that_of_rate_and_heave_of_the_minute():
     tip, none = np.sin(OMEGA * TIME), np.zeros_like(TIME)
     # it follows the sea twice over: 2 m about the mean over 1.5 m + 0.3 m; the leak of a minute takes some per cent
     over = envelope_ratio(TIME, 2.0 * tip, none, tip, Asked(), BEGIN)
-    assert over == pytest.approx(2.0 / (TRAVEL + MARGIN), rel=0.05)
+    assert over == pytest.approx(2.0 / (1.5 + 0.3), rel=0.05)
     steps = np.where(TIME > 110.0, 0.15, 0.0)  # 0.15 m in a tick is 1.5 m/s over the two ticks of a central difference
     over = envelope_ratio(TIME, steps, none, 0.1 * tip, Asked(), BEGIN)
-    assert over == pytest.approx(1.5 / (RATE * 0.1 * OMEGA + RATE_MARGIN), rel=1e-2)
+    assert over == pytest.approx(1.5 / (1.5 * 0.1 * OMEGA + 0.25), rel=1e-2)
+    early = TIME < 12.0  # the factor of 2.5 of an empty window has come down to 1 + 1.5 * 0.9 after 6 s
+    over = envelope_ratio(TIME[early], np.where(TIME > 6.0, 0.15, 0.0)[early], none[early], tip[early], Asked(), 1.0)
+    assert over == pytest.approx(1.5 / (1.5 * 2.35 * OMEGA + 0.25), rel=1e-2)
     moves, still = np.clip(0.4 * (TIME - BEGIN), 0.0, 8.0), 0.001 * tip
     assert envelope_ratio(TIME, moves, none, still, Asked(8.0, 0.4), BEGIN) < 1.0
     assert envelope_ratio(TIME, none, none, still, Asked(8.0, 0.4), BEGIN) < 1.0, "a fault may end a move"

@@ -106,6 +106,23 @@ def test_a_sensor_that_is_reversed_or_of_no_scale_is_excluded_and_not_corrected(
     assert [(one.code, one.quantity) for answer in found for one in answer.findings] == [("excluded", sensor)]
 
 
+@pytest.mark.parametrize("is_read", [True, False])
+@pytest.mark.parametrize("lost", ["mru", "payout"])
+def test_a_depth_sensor_is_not_judged_where_it_is_not_known_what_moved_the_load(design, drawn_from, lost, is_read):
+    """It reads 1.6 times the motion from 40 s on, and the other sensor each two seconds, or as before."""
+
+    def other(name, value, tick):
+        if tick < 40 * SECOND:
+            return value
+        if name.startswith(lost):
+            return value if is_read or tick % (2 * SECOND) == 0 else None
+        return 1.6 * value if name.startswith("unit") else value
+
+    found = answers(drawn_from(design, 80.0, change=other))
+    blamed = {one.quantity for answer in found for one in answer.findings}
+    assert blamed == ({"depth.scale"} if is_read else set())
+
+
 @pytest.mark.parametrize("factor", [0.5, 0.7, 2.0])
 def test_an_encoder_that_reads_otherwise_all_at_once_is_found_within_five_seconds(design, drawn_from, factor):
     """From 40 s on it counts on in another scale."""

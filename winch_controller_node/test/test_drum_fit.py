@@ -196,6 +196,16 @@ def test_a_creep_beside_a_steady_speed_may_be_either_and_no_scale_of_the_encoder
     assert FACTOR not in identify(record, PRIOR, NOMINAL).free
 
 
+@pytest.mark.parametrize("lasts", [2.0, 4.24, 9.0])
+def test_a_count_that_has_drifted_for_a_while_is_explained_by_a_drift_as_one_that_drifts_still(lasts):
+    """Ends are tried each half second: of what is left of the squares, that leaves some thousandths."""
+    rates = waves(30.0, 0.4)
+    record = recorded(rates, driven(WinchParameters(), rates)[0])
+    time, begin = DT * np.arange(len(record.readings)), 20.0
+    left = 0.043 * np.clip(time - begin, 0.0, lasts)
+    assert record.squares_with_drift(left, record.readings, round(begin / DT)) < 0.005 * left @ left
+
+
 @pytest.mark.parametrize("before_end", [3.0, 8.0, 14.0])
 @pytest.mark.parametrize(("gain", "size"), [(1.02, 0.8), (0.96, 0.4), (1.04, 0.8)])
 def test_a_drum_whose_gain_begins_to_drift_is_no_other_scale_of_its_encoder(gain, size, before_end):

@@ -11,6 +11,7 @@ from heave_node.interface.alarm import Severity
 from heave_node.kpi import WORSE_FLOOR
 from heave_node.numerics.arrays import Array
 from heave_studies.promise.run import IDENTIFIED, NO_BLAME, PARTS, blamed_by
+from winch_controller_node.parameters.envelope import EnvelopeParameters
 
 from tests.campaigns.fault_matrix.moments import Asked
 
@@ -20,8 +21,8 @@ MINUTE = 60.0
 MARGIN = 0.3
 """Travel of the drum beyond the heave of a minute [m]."""
 
-RATE, RATE_MARGIN, TRAVEL = 1.5, 0.25, 1.5
-"""Envelope: times the largest rate of the boom tip in a minute, plus [m/s]; times its largest heave, plus `MARGIN`."""
+ENVELOPE = EnvelopeParameters()
+"""Factors and margins of the bounds, as they are documented in `docs/guide/controller/envelope.md`."""
 
 SETTLED = 10.0
 """Time after the beginning of a fault from which on the unit's motion counts [s]."""
@@ -218,28 +219,29 @@ def envelope_ratio(time: Array, payout: Array, planned: Array, tip: Array, asked
     asked : since then
     begin : of the fault [s]
 
-    Bounds go by rate and heave of the boom tip in the last minute, wider while a minute is not full. The travel is that
+    Bounds are those of `ENVELOPE`, by rate and heave of the boom tip as it was in the last minute. The travel is that
     about the asked motion, with a leak of a minute. How much of a move the drum has made is not known: anything from
     none of it to all at once, or as the mean payout makes it, no further and no faster than asked.
     """
-    period, since = _period(time), time >= begin
-    count = round(MINUTE / period)
-    wider = 2.0 - np.minimum(time / MINUTE, 1.0)
+    period, since, bounds = _period(time), time >= begin, ENVELOPE
+    count = round(bounds.window / period)
+    wider = 1.0 + (bounds.early_factor - 1.0) * (1.0 - np.minimum(time / bounds.window, 1.0))
     speed = rolling_largest(np.abs(np.gradient(tip, period)), count)
     heave = rolling_largest(np.abs(tip - np.mean(tip)), count)
     rate, ahead = np.gradient(payout, period), math.copysign(1.0, asked.distance)
     at_once = _way(time, asked, begin)
     made = np.clip(ahead * (planned - planned[np.searchsorted(time, begin)]), 0.0, at_once)
     moves = np.clip(np.gradient([at_once, made], period, axis=1).max(axis=0), 0.0, asked.speed)
-    over = np.abs(rate) / (RATE * wider * speed + RATE_MARGIN + moves)
+    over = np.abs(rate) / (bounds.rate_factor * wider * speed + bounds.rate_margin + moves)
     before = np.where(since, 0.0, np.gradient(planned, period))
-    moved = [leaky(rate - before - ahead * np.gradient(way, period), period) for way in (0.0 * time, at_once, made)]
+    ways = (0.0 * time, at_once, made)
+    moved = [leaky(rate - before - ahead * np.gradient(way, period), period, bounds.travel_time) for way in ways]
     out = np.maximum(np.maximum(np.min(moved, axis=0), -np.max(moved, axis=0)), 0.0)
-    travel = out / (TRAVEL * wider * heave + MARGIN + asked.travel)
+    travel = out / (bounds.travel_factor * wider * heave + bounds.travel_margin + asked.travel)
     return float(max(np.max(over[since]), np.max(travel[since])))
 
 
-def leaky(rate: Array, period: float, tau: float = MINUTE) -> Array:
+def leaky(rate: Array, period: float, tau: float) -> Array:
     """Return the integral of a `rate` [m/s] sampled each `period` [s], that leaks with a time constant `tau` [s]."""
     decay = math.exp(-period / tau)
     total, found = 0.0, np.empty_like(rate)

@@ -25,7 +25,7 @@ from winch_controller_node.adviser.hypothesis import (
     accepted,
     rules_out_encoder,
 )
-from winch_controller_node.adviser.judge import ENCODER_ROW, Judge
+from winch_controller_node.adviser.judge import ENCODER_ROW, LEAST_READ, Judge
 from winch_controller_node.adviser.record import NIS, ROW, TICK, Excerpt, Record, SensorHistory
 from winch_controller_node.adviser.report import Report
 from winch_controller_node.adviser.sea import SeaLooks, likeliest_sea
@@ -54,6 +54,12 @@ MINUTE = 60.0
 
 SHORTEST = 25.0
 """Shortest record that is judged [s]: its first part settles the state."""
+
+DRIVING = ("mru", "encoder")
+"""Sensors of what moves the load, boom tip and drum: where one of them is not read, no other is predicted."""
+
+BREAK = 1.0
+"""Longest time without a reading of these in the last `LEAST_READ`, or that of `health.stale_samples` of them [s]."""
 
 WORSE = 1.3
 """Hypotheses that explained nothing are tried again when the misfit is so many times larger, or on another minute."""
@@ -104,6 +110,7 @@ class Adviser:
         self._record = Record(tick_period)
         self._history = SensorHistory()
         self._drum_gain, self._seconds = 1.0, 0
+        self._judged = 0.0  # duration of the record that is judged [s]
         self._begin(parameters, Beliefs(asked=-1))
 
     def _begin(self, nominal: WinchControllerParameters, beliefs: Beliefs) -> None:
@@ -143,6 +150,7 @@ class Adviser:
         self._beliefs = replace(before, asked=observations.last, findings=(), design=None, adopted=None)
         self._leads_to = None
         self._record.add(observations)
+        self._judged = self._to_be_judged()
         self._seconds += 1
         if is_due and 0 <= observations.beliefs < before.number:
             # the answer before came too late: what it changed is sent again
@@ -174,7 +182,7 @@ class Adviser:
         self._nominal_cable = assumed_cable(self._nominal, length)
         self._design = self._designed(self.parameters, length).with_own_gains()
         self._sea.tracker.refer_to(self._design)
-        self._length_since = observations.last
+        self._length_since, self._judged = observations.last, 0.0
         self._beliefs = replace(self._beliefs, design=self._design)
 
     @property
@@ -183,9 +191,13 @@ class Adviser:
         since = self._dt * (self._beliefs.asked - self._length_since) if self._length_since else math.inf
         return min(self._record.duration, since)
 
-    @property
-    def _judged(self) -> float:
-        """Duration of the record that is judged [s]."""
+    def _to_be_judged(self) -> float:
+        """Return the duration of the record that is judged [s]: none while it is not known what moves the load."""
+        excerpt, known = self._record.last(LEAST_READ), self._nominal.sensors.in_use()
+        for name in known.keys() & DRIVING:
+            stale = self._nominal.health.stale_samples * known[name].period(self._dt)
+            if excerpt.longest_break(name) > max(BREAK, stale):
+                return 0.0
         return min(MINUTE, self._record_of_length)
 
     # the winch

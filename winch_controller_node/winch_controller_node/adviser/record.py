@@ -106,6 +106,15 @@ class Excerpt:
             return np.zeros(len(self.readings), dtype=np.bool_)
         return np.asarray(self.readings[:, ROW] == self.rows.index(name))
 
+    def longest_break(self, sensor: str) -> float:
+        """Return the longest time without a reading of a `sensor` [s]; of the encoder, set aside or not, by ticks."""
+        if sensor == "encoder":
+            read = self.first + np.flatnonzero(np.isfinite(self.tick_column("encoder")))
+        else:
+            read = np.sort(self.readings[self.is_of(sensor), DELIVERED])
+        bounds = np.concatenate([[self.first - 1], read, [self.last + 1]])
+        return float(np.max(np.diff(bounds)) - 1.0) * self.dt
+
     def corrected(self, assumed: SensorHistory) -> Array:
         """Return the readings under the `assumed` corrections, the mean payout's share included; delays are kept."""
         values, ticks = self.readings[:, VALUE].copy(), self.readings[:, TICK]

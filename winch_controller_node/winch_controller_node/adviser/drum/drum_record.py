@@ -17,6 +17,9 @@ FIELDS = len(Drum._fields)
 FACTOR, START_PAYOUT, START_RATE = FIELDS, FIELDS + 1, FIELDS + 2
 """Places in a vector theta: the fields of `Drum`, the encoder's factor, payout and rate at the start of the record."""
 
+ENDS_EVERY = 0.5
+"""Time from one end of a drift of the count that is tried to the next [s]."""
+
 
 @dataclass(frozen=True, eq=False)
 class DrumRecord:
@@ -76,9 +79,15 @@ class DrumRecord:
         return np.asarray(left)
 
     def squares_with_drift(self, left: Array, path: Array, onset: int) -> float:
-        """Return the squares of what is `left` of a `path`, less a drift of count or gain from an `onset` on [m^2]."""
-        since = np.maximum(np.arange(len(path)) - onset, 0.0)
-        drifts = np.stack([since, np.cumsum(since * np.diff(path, prepend=path[0]))])[:, self.seen]
+        """Return the squares of what is `left` of a `path`, less a drift of count or gain from an `onset` on [m^2].
+
+        A count that has drifted may have stopped since, as a drum does that crept for a while.
+        """
+        time = np.arange(len(path), dtype=float)
+        ends = np.arange(len(path), onset, -max(1, round(ENDS_EVERY / self.dt)), dtype=float)
+        counts = np.clip(time, onset, ends[:, None]) - onset
+        gain = np.cumsum(np.maximum(time - onset, 0.0) * np.diff(path, prepend=path[0]))
+        drifts = np.vstack([counts, gain])[:, self.seen]
         for first, end in self._stretches:
             drifts[:, first:end] -= drifts[:, first:end].mean(axis=1, keepdims=True)
         return float(left @ left - np.max((drifts @ left) ** 2 / np.maximum(np.sum(drifts**2, axis=1), 1e-30)))

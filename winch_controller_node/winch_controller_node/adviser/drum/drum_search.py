@@ -88,7 +88,7 @@ def identify(record: DrumRecord, prior: DrumPrior, assumed: Array) -> DrumFit:
     onsets = _sudden(record, prior, assumed) if best.residual > UNEXPLAINED else []
     found, freed = _with_groups(prior, best, others, onsets, held_limits)
     if (FACTOR,) in freed and _loss_with_drift(record, prior, assumed, onsets) < found.loss + CLEARLY:
-        # the drum creeps, or its gain drifts, and its encoder may be right: the next records say by how much
+        # the drum creeps, or has crept, or its gain drifts, and its encoder may be right: the next records say how much
         found, freed = _with_groups(prior, best, others, [], held_limits)
     return _without_held(prior, _without_passengers(prior, found, freed, assumed), held_limits)
 
