@@ -105,7 +105,8 @@ WINCH = structure(
 CABLE = structure(
     "Cable",
     "The nominal two-state cable a z'' + b z' + z = x_0 - payout, tension k (x_0 - payout - z).",
-    Row("inertia", "s^2", "a at `length`"),
+    Row("inertia", "s^2", "a of the first mode, in which the unit swings, at `length`"),
+    Row("participation", "", "of that mode in a motion of the boom tip"),
     Row("damping", "s", "b"),
     Row("drag", "s^2/m", "quadratic drag: the damping is drag |z'| where that is more than b"),
     Row("stiffness", "N/m", "k at `length`"),

@@ -31,6 +31,7 @@ WINCH = {
 }
 CABLE = {
     "inertia": 0.12,
+    "participation": 1.0,
     "damping": 0.02,
     "drag": 0.0,
     "stiffness": 52e3,
@@ -523,6 +524,23 @@ def test_a_load_cell_that_varies_more_than_under_a_locked_winch_ends_compensatio
             break
     assert order.cause == Cause.HARM
     assert rig.run(34.0).brake == 1.0
+
+
+@pytest.mark.parametrize(("error", "cause"), [(1.0, Cause.NOTHING), (0.97, Cause.HARM)])
+def test_a_load_near_its_resonance_is_told_from_harm_by_the_inertia_of_its_first_mode(error, cause):
+    """Under a drum that does not move it swings as with the winch locked; one of another mode beats with it."""
+    swings = {"inertia": (0.98 / OMEGA) ** 2, "damping": 0.004, "participation": 1.2}
+    rig, truth = Rig(amplitude=0.004, cable=swings | {"inertia": error * swings["inertia"]}), envelope(cable=swings)
+    for tick in range(6000):
+        heave, rate = rig.tip
+        truth.step(readings(mru_heave=heave, mru_rate=rate, brake=1.0, count=0.0))
+        load = 1.2 * CABLE["stiffness"] * (heave - float(truth.state["unit_heave"][0]))
+        is_held = tick < 600
+        duty = float(Duty.OPERATE if is_held else Duty.FOLLOW)
+        order = rig.step(0.0, brake=is_held, duty=duty, load=CABLE["static_tension"] + load)
+        if order.cause:
+            break
+    assert order.cause == cause
 
 
 @pytest.mark.parametrize("fault", [lambda load: load + 50e3, lambda load: 0.7 * load, lambda load: -load])

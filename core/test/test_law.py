@@ -21,7 +21,7 @@ from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 from scipy.signal import lfilter
 
-from tests.core_parts import LoopNow, act, governed_by
+from tests.core_parts import LoopNow, act, governed_by, pose
 
 DT, LAG, SPEED, ACCELERATION = 0.05, 0.15, 2.0, 1.5
 N = 3
@@ -225,6 +225,7 @@ def test_the_gain_slides_back_to_the_free_one():
 
 COMMAND = {
     "payout": 2,
+    "rate": -1,
     "unit": [0, 1],
     "payout_row": [0.0, 0.0, 1.0],
     "payout_ahead": [0.0, 0.0, 1.0],
@@ -289,6 +290,23 @@ def test_what_is_read_above_the_highest_tension_is_paid_out():
     made = ordered(core, 0.0, filtered_tension=60e3, gives_way=True)
     assert (made.asked, made.gives_way) == (pytest.approx(10e3 / 1e5), 1.0)
     assert ordered(core, 0.0, filtered_tension=60e3).gives_way == 0.0
+
+
+@pytest.mark.parametrize("way", [Way.BY_LAW, Way.BY_FADE, Way.BY_TENSION])
+def test_a_lead_of_the_drum_is_motion_of_the_mean_but_for_a_held_tension(way):
+    """The law is left with the payout beyond; the drum itself is where it is, and the cable is as much looser."""
+    core = commander_of(reading_share=1.0)
+    put(core.design, {"rate": 1})
+    estimate = core.records["loop"]["estimate"][0]
+    estimate[:N] = 0.0, 0.3, 0.5
+    pose(core, LoopNow(way, share=1.0, mean_command=0.2, lead=0.4, lead_rate=0.1))
+    found = core.problem[0]
+    lead, rate = (0.0, 0.0) if way == Way.BY_TENSION else (0.4, 0.1)
+    assert (found["payout"], found["rate"]) == (lead, rate)
+    assert found["command"] == pytest.approx(0.2 + rate)
+    assert found["static_tension"] == pytest.approx(40e3 - 1e5 * lead)
+    assert found["x"][:N] == pytest.approx([0.0, 0.3 - rate, 0.5 - lead])
+    assert (core.made.payout, core.made.rate) == (0.5, 0.0)
 
 
 # mean payout

@@ -17,6 +17,16 @@ double reference_command(const ActiveWinch &winch, const MeanMotion &motion) {
     return rate + winch.lag * (mean.move.slope + carried.move.slope) + winch.position_gain * payout;
 }
 
+// The unit moves with the mean payout u where the drum leads that by a u'' + b u': then a z'' + b z' + z = -payout has z = -u.
+void fill_lead(const Acting &on) {
+    const CommandDesign &design = *on.design;
+    const Move &move = on.motion->mean.move;
+    double &before = on.state->slope;
+    on.loop->lead = design.inertia * move.slope + design.damping * move.rate;
+    on.loop->lead_rate = design.inertia * (move.slope - before) / on.winch->tick_period + design.damping * move.slope;
+    before = move.slope;
+}
+
 // What the command must know of the loop. Where the boom tip is not known the unit is to come to rest, and while it is damped
 // for that a fade-out goes on for longer.
 void fill_loop(const Acting &on) {
@@ -32,6 +42,7 @@ void fill_loop(const Acting &on) {
     loop.swing_rate = motions.mean_rate;
     loop.is_unseen = is_held && seen.has_depth == 0.0;
     loop.left_over = on.motion->left_over.payout;
+    fill_lead(on);
     loop.mean_command = reference_command(*on.winch, *on.motion);
     loop.mru_rate = seen.authority * (std::isnan(seen.mru_rate) ? motions.tip_rate : seen.mru_rate);
     loop.tension = seen.tension;

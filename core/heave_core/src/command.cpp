@@ -36,8 +36,15 @@ void shift_state(const CommandDesign &design, const Loop &loop, double *x) {
     heave += loop.swing;
     rate += loop.swing_rate;
     if (loop.is_unseen != 0.0) bound_unseen(design, x);
-    x[design.payout] -= loop.left_over;
+    x[design.payout] -= loop.left_over + loop.lead;
+    if (design.rate >= 0) x[design.rate] -= loop.lead_rate;
     heave += loop.left_over;
+}
+
+// Share of the command with which the drum leads the mean payout, as that has its own [m/s].
+double lead_command(const Commanded &on) {
+    if (on.winch.is_first_order) return on.loop.lead + on.loop.lead_rate / on.winch.position_rate;
+    return on.loop.lead_rate + on.winch.position_gain * on.loop.lead;
 }
 
 // By how much a set-point is beyond the step that is allowed after a change of what is assumed [m/s].
@@ -134,10 +141,12 @@ void pose_problem(const Commanded &on, Problem &problem, Command &command) {
     const CommandDesign &design = on.design;
     const Loop &loop = on.loop;
     const int n = design.states;
-    problem.payout = dot(n, design.payout_ahead, loop.mean_state);
-    problem.rate = dot(n, design.rate_ahead, loop.mean_state);
-    problem.command = loop.mean_command;
-    problem.static_tension = on.winch.static_tension;
+    const double payout = dot(n, design.payout_ahead, loop.mean_state), rate = dot(n, design.rate_ahead, loop.mean_state);
+    const bool leads = loop.way != BY_TENSION;
+    problem.payout = leads ? payout + loop.lead : payout;
+    problem.rate = leads ? rate + loop.lead_rate : rate;
+    problem.command = leads ? loop.mean_command + lead_command(on) : loop.mean_command;
+    problem.static_tension = leads ? on.winch.static_tension - design.stiffness * loop.lead : on.winch.static_tension;
     problem.measured_tension = loop.filtered_tension;
     problem.mru_rate = loop.mru_rate;
     problem.bounds_tension = loop.bounds_tension;
@@ -145,8 +154,8 @@ void pose_problem(const Commanded &on, Problem &problem, Command &command) {
     problem.speed = on.winch.is_first_order ? ANY : std::max(out, in);
     shift_state(design, loop, problem.x);
     command = Command{};
-    command.payout = problem.payout + dot(n, design.payout_ahead, loop.estimate);
-    command.rate = problem.rate + dot(n, design.rate_ahead, loop.estimate);
+    command.payout = payout + dot(n, design.payout_ahead, loop.estimate);
+    command.rate = rate + dot(n, design.rate_ahead, loop.estimate);
     const bool is_first_order = on.winch.is_first_order;
     command.standing = is_first_order ? row_of_both(design.payout_row, loop, n) : on.winch.position_gain * command.payout;
 }

@@ -302,7 +302,8 @@ double load_step(const Design &design, State &state, const Readings &readings, c
 }
 
 // Spread of the load cell over the largest that is no harm; NaN: not judged. The nominal cable is a z'' + b z' + z = x_0
-// with the winch locked, k goes with one over the length.
+// with the winch locked, z the first mode: near its resonance another a would beat with the load, and be at rest where that
+// swings. The tension is k p (x_0 - z); k goes with one over the length.
 double observe_load(const Design &design, State &state, const Readings &readings) {
     const Bounds &bounds = design.envelope;
     const Cable &cable = design.cable;
@@ -317,7 +318,7 @@ double observe_load(const Design &design, State &state, const Readings &readings
     move_unit(design, state.position, state.heave, state.unit_heave, state.unit_rate);
     const double weight = std::min(dt / bounds.harm_time, 1.0);
     if (has_load) follow(state.measured, state.load, weight);
-    follow(state.locked, k * (state.heave - state.unit_heave), weight);
+    follow(state.locked, cable.participation * k * (state.heave - state.unit_heave), weight);
     const bool follows = int(readings.duty) == FOLLOW && readings.brake == 0.0 && state.move.rate == 0.0;
     const bool is_seen = state.mru_age <= bounds.mru_time && has_load;
     state.follow_time = follows && is_seen && readings.lift_rate == 0.0 ? state.follow_time + dt : 0.0;

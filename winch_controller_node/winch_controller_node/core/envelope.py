@@ -97,7 +97,8 @@ def nominal_design(parameters: WinchControllerParameters, cable: CableModel, tic
         "tick_period": tick_period,
         "winch": _nominal_winch(parameters.winch),
         "cable": {
-            "inertia": cable.a,
+            "inertia": cable.natural_a,
+            "participation": cable.participation,
             "damping": cable.b,
             "drag": cable.drag,
             "stiffness": cable.stiffness,

@@ -75,6 +75,7 @@ def commander(
     payout_ahead, rate_ahead = drum_ahead(model, assumed)
     values = {
         "payout": model.state("payout"),
+        "rate": model.state("payout_rate") if model.has_state("payout_rate") else -1,
         "unit": rows.unit_states,
         "sea_states": len(design.sea_states),
         "sea": [model.state(name) for name in design.sea_states],
@@ -82,6 +83,7 @@ def commander(
         "payout_ahead": payout_ahead,
         "rate_ahead": rate_ahead,
         "inertia": design.cable.a,
+        "damping": design.cable.b,
         "stiffness": design.cable.stiffness,
         "giving_time": max(GIVING_TIME, 2.0 * (assumed.command_delay + assumed.time_constant)),
         "stop_step": modes.stop_deceleration * design.tick_period,
