@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 from scipy import signal, stats
 from winch_controller_node.core.supervision.proof_design import CERTAIN, SHORTEST, WINDOW
 from winch_controller_node.core.supervision.proofs import Standing
+from winch_controller_node.interface.alarms import ALARMS
 from winch_controller_node.interface.readings import Measurements, ScalarReading, WinchOrder, WinchReading
 from winch_controller_node.model.blocks import CableModel
 from winch_controller_node.node_parameters import WinchControllerParameters
@@ -225,6 +226,9 @@ def test_without_a_witness_or_with_one_that_says_nothing_it_is_said():
     proof = made()
     braked(proof, 75.0, tension=0.0, depth=None)
     assert (proof.standing, proof.witness) == (Standing.ALONE, "load cell")
+    # a wrong map of the MRU ends here too, where to fit a sensor or to wait, all that was said, does not help
+    alarm = ALARMS.alarm("MRU_UNPROVED: alone", why="its correlation with the load cell is 0.00")
+    assert "Check the MRU's map" in str(alarm)
 
 
 def test_in_calm_water_there_is_nothing_to_prove():

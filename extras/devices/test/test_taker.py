@@ -1,6 +1,7 @@
 """Quantities taken by a map: units, signs, validity, sizes."""
 
 import math
+import struct
 from types import SimpleNamespace
 
 import pytest
@@ -177,6 +178,15 @@ def test_words_in_the_other_order_are_named(kind, sent, order, hint):
     taker = Taker(device_map_of("m", {"source": {"modbus": "1", "word_order": order}, "payout": entry}))
     assert not taker.of_sample(Sample("MODBUS", {f"input:0:{kind}": swapped}), 0.0).values
     assert hint in taker.counters.worst
+
+
+def test_a_datagram_has_no_word_order_to_set():
+    """A whole number read as a float: word_order, which only Modbus has, was proposed, and refused when entered."""
+    entry = {"source": {"udp": "1"}, "format": "datagram", "layout": {"force": "float32"}, "tension": "force"}
+    taker = Taker(device_map_of("m", entry))
+    number = struct.unpack(">f", struct.pack(">i", 16_000))[0]
+    assert not taker.of_sample(Sample("DATAGRAM", {"force": number}), 0.0).values
+    assert taker.counters.worst.endswith("no instrument reads it: check unit, scale and column of the map")
 
 
 @pytest.mark.parametrize("status", [math.inf, math.nan, 1e300])

@@ -84,7 +84,7 @@ class Taker:
         self._channels = dict(device.channels)
         self._fields = {name: SampleField(device, channel) for name, channel in device.channels.items()}
         self._kinds = {name: device.kind_of(channel.field) for name, channel in device.channels.items()}
-        self._word_order = device.link.word_order if device.link is not None else ""
+        self._word_order = device.link.word_order if device.link is not None and device.link.kind == "modbus" else ""
         self._factors = {name: channel.factor(name) for name, channel in self._channels.items()}
         self._filters = {
             name: HighPass(channel.high_pass or DEFAULT_PERIOD)

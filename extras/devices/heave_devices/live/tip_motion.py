@@ -2,8 +2,8 @@
 
 z_tip = heave - x sin(pitch) + (y sin(roll) + z cos(roll)) cos(pitch), less its value at rest; roll about x forward,
 then pitch about y to port (REP-103), arm x, y, z from the sensor. The rate follows by the chain rule from the turn
-rates, or, where the sensor has none, from the attitude of the last 0.6 s, with its noise. A heave is about its
-mean: of the arm's share a running mean is taken out, so that trim and list do not lift the tip.
+rates, or, where the sensor has none, from the attitude of the last 0.6 s, with its noise. A heave is about its mean:
+of the arm's share a running mean is taken out, its change of the rate too, so that trim and list do not lift the tip.
 
 The simulated boom tip moves by it without its steps, which are none of the ship: a spike, a sensor that froze or fell
 silent and goes on, or a new zero would throw the simulated load by metres. What a step adds is taken off at once, and
@@ -18,8 +18,8 @@ from typing import Any
 from heave_node.numerics.kinematics import height_of, height_rate_of
 from heave_node.sensing.recent_motion import OLDEST, RecentMotion
 
-FIRST_MEAN_TIME, MEAN_TIME = 20.0, 300.0
-"""Time constant of the running mean [s]: it grows from the one to the other with the time since the start."""
+FIRST_MEAN_TIME, MEAN_TIME = 1.0, 300.0
+"""Time constant of the running mean [s]: the time since the start, so that it is the average of all, up to the last."""
 
 
 class TipMotion:
@@ -61,17 +61,16 @@ class TipMotion:
         if not math.isfinite(turned):
             recent = self._recent.at(time)
             turned, sigma = math.nan if recent is None else recent[1], self._recent.rate_sigma
-        self._update_mean(time, share)
-        return heave + share - self._mean, rate + turned, sigma
+        drift = self._update_mean(time, share)  # left in, it would look like a high-pass filter of the sensor
+        return heave + share - self._mean, rate + turned - drift, sigma
 
-    def _update_mean(self, time: float, share: float) -> None:
+    def _update_mean(self, time: float, share: float) -> float:
         if not math.isfinite(self._first):
-            self._first = self._last = time
-            self._mean = share
-            return
+            self._first, self._last, self._mean = time, time, share
         step, self._last = max(time - self._last, 0.0), max(time, self._last)
-        span = min(max(time - self._first, FIRST_MEAN_TIME), MEAN_TIME)
-        self._mean += (share - self._mean) * min(step / span, 1.0)
+        span, away = min(max(time - self._first, FIRST_MEAN_TIME), MEAN_TIME), share - self._mean
+        self._mean += away * min(step / span, 1.0)
+        return away / span - away / MEAN_TIME  # none is taken out once it is over MEAN_TIME
 
 
 STEP = 0.2

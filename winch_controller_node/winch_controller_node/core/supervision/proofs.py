@@ -162,7 +162,7 @@ class Proofs:
         """What keeps compensation from beginning."""
         fit, witness, standing = self.fit, self.witness, self.standing
         if standing is Standing.ALONE:
-            agrees = f"the {witness} agrees by {fit.correlation:.2f}"
+            agrees = f"its correlation with the {witness} is {fit.correlation:.2f}"
             return ALARMS.alarm(
                 "MRU_UNPROVED: alone", why=agrees if witness else "neither load cell nor depth sensor reads"
             )
