@@ -107,6 +107,7 @@ MEAN_MOTION = structure(
     Row("left_over", "", "payout from before a stop, on its way to the mean", MEAN_PAYOUT),
     Row("carried", "", "payout by which the mean is carried along where the place moves", MEAN_PAYOUT),
     Row("state", "", "that the mean payout alone brings about", shape=(STATES,)),
+    Row("lead", "", "state that the drum's lead of it alone brings about", shape=(STATES,)),
 )
 
 ACTIVE_WINCH = structure(
@@ -271,7 +272,7 @@ COMMAND_DESIGN = structure(
     Row("unit", "", "states of the unit: heave and its rate", COUNTER, (2,)),
     Row("sea_states", "", "number of states of the sea", COUNTER),
     Row("sea", "", "states of vessel and waves", COUNTER, (STATES,)),
-    Row("rate", "", "state of the payout's rate; -1: a first-order winch has none", COUNTER),
+    Row("pad", "", "keeps the numbers aligned", COUNTER),
     Row("payout_row", "m", "row of the payout", shape=(STATES,)),
     Row("payout_ahead", "m", "row of the payout when the command takes effect", shape=(STATES,)),
     Row("rate_ahead", "m/s", "row of its rate then", shape=(STATES,)),
@@ -309,7 +310,7 @@ COMMAND_STATE = structure(
     Row("easing", "s", "for which the order makes no larger step yet"),
     Row("fading", "s", "time of the fade-out that is under way; 0: none is"),
     Row("longest", "s", "that it may take"),
-    Row("slope", "m/s^2", "acceleration of the mean payout at the last tick"),
+    Row("lead", "m", "payout by which the drum was to lead the mean one at the last tick"),
     Row("tension", "", "constant tension", TENSION_STATE),
 )
 
@@ -324,9 +325,8 @@ LOOP = structure(
     Row("swing_rate", "m/s", "its rate"),
     Row("is_unseen", "", "1: no depth sensor sees the unit that is held"),
     Row("left_over", "m", "payout from before a stop, on its way to the mean"),
-    Row("lead", "m", "payout beyond the mean one with which the unit moves as that does"),
-    Row("lead_rate", "m/s", "its rate"),
     Row("mean_command", "m/s", "share of the next command that moves the mean payout"),
+    Row("lead_command", "m/s", "share with which the drum leads it, so that the unit moves as it does"),
     Row("mru_rate", "m/s", "heave rate as read, times the authority"),
     Row("tension", "N", "newest reading at the top; NaN: none yet"),
     Row("filtered_tension", "N", "the same low-passed"),
@@ -340,6 +340,7 @@ LOOP = structure(
     Row("highest", "m/s", "set-point up to which it does"),
     Row("estimate", "", "state without the mean payout's own motion", shape=(STATES,)),
     Row("mean_state", "", "state that the mean payout alone brings about", shape=(STATES,)),
+    Row("lead_state", "", "state that the drum's lead alone brings about", shape=(STATES,)),
 )
 
 COMMAND = structure(

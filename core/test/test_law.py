@@ -225,7 +225,6 @@ def test_the_gain_slides_back_to_the_free_one():
 
 COMMAND = {
     "payout": 2,
-    "rate": -1,
     "unit": [0, 1],
     "payout_row": [0.0, 0.0, 1.0],
     "payout_ahead": [0.0, 0.0, 1.0],
@@ -292,21 +291,17 @@ def test_what_is_read_above_the_highest_tension_is_paid_out():
     assert ordered(core, 0.0, filtered_tension=60e3).gives_way == 0.0
 
 
-@pytest.mark.parametrize("way", [Way.BY_LAW, Way.BY_FADE, Way.BY_TENSION])
-def test_a_lead_of_the_drum_is_motion_of_the_mean_but_for_a_held_tension(way):
+def test_a_lead_of_the_drum_is_motion_of_the_mean():
     """The law is left with the payout beyond; the drum itself is where it is, and the cable is as much looser."""
     core = commander_of(reading_share=1.0)
-    put(core.design, {"rate": 1})
-    estimate = core.records["loop"]["estimate"][0]
-    estimate[:N] = 0.0, 0.3, 0.5
-    pose(core, LoopNow(way, share=1.0, mean_command=0.2, lead=0.4, lead_rate=0.1))
+    core.records["loop"]["estimate"][0, :N] = 0.1, 0.3, 0.5
+    core.records["loop"]["lead_state"][0, :N] = 7.0, 8.0, 0.4
+    pose(core, LoopNow(Way.BY_LAW, share=1.0, mean_command=0.2, lead_command=0.1))
     found = core.problem[0]
-    lead, rate = (0.0, 0.0) if way == Way.BY_TENSION else (0.4, 0.1)
-    assert (found["payout"], found["rate"]) == (lead, rate)
-    assert found["command"] == pytest.approx(0.2 + rate)
-    assert found["static_tension"] == pytest.approx(40e3 - 1e5 * lead)
-    assert found["x"][:N] == pytest.approx([0.0, 0.3 - rate, 0.5 - lead])
-    assert (core.made.payout, core.made.rate) == (0.5, 0.0)
+    assert (found["payout"], found["command"]) == pytest.approx((0.4, 0.3))
+    assert found["static_tension"] == pytest.approx(40e3 - 1e5 * 0.4)
+    assert found["x"][:N] == pytest.approx([0.1, 0.3, 0.1])
+    assert core.made.payout == 0.5
 
 
 # mean payout

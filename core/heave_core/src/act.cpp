@@ -17,14 +17,24 @@ double reference_command(const ActiveWinch &winch, const MeanMotion &motion) {
     return rate + winch.lag * (mean.move.slope + carried.move.slope) + winch.position_gain * payout;
 }
 
-// The unit moves with the mean payout u where the drum leads that by a u'' + b u': then a z'' + b z' + z = -payout has z = -u.
-void fill_lead(const Acting &on) {
+// Share of the command with which the drum leads the mean payout u by a u'' + b u': the unit then moves as that does, since
+// a z'' + b z' + z = -payout has z = -u. Only where a law moves the drum: in mode manual that goes as the mean payout does.
+void lead(const Acting &on) {
     const CommandDesign &design = *on.design;
+    const ActiveWinch &winch = *on.winch;
     const Move &move = on.motion->mean.move;
-    double &before = on.state->slope;
-    on.loop->lead = design.inertia * move.slope + design.damping * move.rate;
-    on.loop->lead_rate = design.inertia * (move.slope - before) / on.winch->tick_period + design.damping * move.slope;
-    before = move.slope;
+    double &last = on.state->lead, *state = on.motion->lead;
+    const double before = last;
+    const int way = int(on.loop->way);
+    if (way != BY_LAW && way != BY_FADE && way != BY_SETTLING) {
+        std::fill_n(state, design.states, 0.0);
+        on.loop->lead_command = last = 0.0;
+    } else {
+        last = design.inertia * move.slope + design.damping * move.rate;
+        const double rate = (last - before) / winch.tick_period;
+        on.loop->lead_command = winch.is_first_order ? last + rate / winch.position_rate : rate + winch.position_gain * last;
+    }
+    std::copy_n(state, design.states, on.loop->lead_state);
 }
 
 // What the command must know of the loop. Where the boom tip is not known the unit is to come to rest, and while it is damped
@@ -42,7 +52,7 @@ void fill_loop(const Acting &on) {
     loop.swing_rate = motions.mean_rate;
     loop.is_unseen = is_held && seen.has_depth == 0.0;
     loop.left_over = on.motion->left_over.payout;
-    fill_lead(on);
+    lead(on);
     loop.mean_command = reference_command(*on.winch, *on.motion);
     loop.mru_rate = seen.authority * (std::isnan(seen.mru_rate) ? motions.tip_rate : seen.mru_rate);
     loop.tension = seen.tension;
@@ -68,6 +78,7 @@ void make_order(const Acting &on) {
     ActDone &done = *on.done;
     const MeanMotion &motion = *on.motion;
     done.moved = advance_motion(on.A, on.B, on.design->states, on.command->mean, is_braked, *on.motion);
+    advance_state(on.A, on.B, on.design->states, on.loop->lead_command, on.motion->lead);
     const double mean = motion.mean.payout + motion.left_over.payout + motion.carried.payout;
     const bool is_known = std::isnan(seen.stated_payout);
     const double set_point = done.set_point = is_known ? mean : seen.stated_payout;

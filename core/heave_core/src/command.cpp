@@ -36,15 +36,10 @@ void shift_state(const CommandDesign &design, const Loop &loop, double *x) {
     heave += loop.swing;
     rate += loop.swing_rate;
     if (loop.is_unseen != 0.0) bound_unseen(design, x);
-    x[design.payout] -= loop.left_over + loop.lead;
-    if (design.rate >= 0) x[design.rate] -= loop.lead_rate;
+    x[design.payout] -= loop.left_over;
     heave += loop.left_over;
-}
-
-// Share of the command with which the drum leads the mean payout, as that has its own [m/s].
-double lead_command(const Commanded &on) {
-    if (on.winch.is_first_order) return on.loop.lead + on.loop.lead_rate / on.winch.position_rate;
-    return on.loop.lead_rate + on.winch.position_gain * on.loop.lead;
+    for (int i = 0; i < design.states; i++)  // the unit's own lag is in its swing
+        if (i != design.unit[0] && i != design.unit[1]) x[i] -= loop.lead_state[i];
 }
 
 // By how much a set-point is beyond the step that is allowed after a change of what is assumed [m/s].
@@ -142,11 +137,10 @@ void pose_problem(const Commanded &on, Problem &problem, Command &command) {
     const Loop &loop = on.loop;
     const int n = design.states;
     const double payout = dot(n, design.payout_ahead, loop.mean_state), rate = dot(n, design.rate_ahead, loop.mean_state);
-    const bool leads = loop.way != BY_TENSION;
-    problem.payout = leads ? payout + loop.lead : payout;
-    problem.rate = leads ? rate + loop.lead_rate : rate;
-    problem.command = leads ? loop.mean_command + lead_command(on) : loop.mean_command;
-    problem.static_tension = leads ? on.winch.static_tension - design.stiffness * loop.lead : on.winch.static_tension;
+    problem.payout = payout + dot(n, design.payout_ahead, loop.lead_state);
+    problem.rate = rate + dot(n, design.rate_ahead, loop.lead_state);
+    problem.command = loop.mean_command + loop.lead_command;
+    problem.static_tension = on.winch.static_tension - design.stiffness * dot(n, design.payout_row, loop.lead_state);
     problem.measured_tension = loop.filtered_tension;
     problem.mru_rate = loop.mru_rate;
     problem.bounds_tension = loop.bounds_tension;

@@ -51,6 +51,7 @@ int ask_tension(const Commanded &on, const Problem &problem, TensionState &state
 // motion.cpp: the mean payout
 bool advance_mean(MeanPayout &mean);
 int ticks_to_go(MeanPayout mean, int longest);
+void advance_state(const double *A, const double *B, int states, double command, double *state);
 int advance_motion(const double *A, const double *B, int states, double command, bool is_braked, MeanMotion &motion);
 
 }  // namespace heave

@@ -26,11 +26,15 @@ int ticks_to_go(MeanPayout mean, int longest) {
     return ticks;
 }
 
+void advance_state(const double *A, const double *B, int states, double command, double *state) {
+    double x[STATES];
+    for (int i = 0; i < states; i++) x[i] = dot(states, A + i * states, state) + B[i] * command;
+    std::copy(x, x + states, state);
+}
+
 // A tick in which `command` was the mean payout's share; a brake holds the payouts. Returns what of them moved.
 int advance_motion(const double *A, const double *B, int states, double command, bool is_braked, MeanMotion &motion) {
-    double x[STATES];
-    for (int i = 0; i < states; i++) x[i] = dot(states, A + i * states, motion.state) + B[i] * command;
-    std::copy(x, x + states, motion.state);
+    advance_state(A, B, states, command, motion.state);
     if (is_braked) return 0;
     const auto moves = [](const MeanPayout &mean) { return int(mean.move.kind) != NONE && int(mean.move.kind) != STAND; };
     int moved = moves(motion.mean) ? MEAN_MOVED : 0;

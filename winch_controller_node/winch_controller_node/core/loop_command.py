@@ -75,7 +75,6 @@ def commander(
     payout_ahead, rate_ahead = drum_ahead(model, assumed)
     values = {
         "payout": model.state("payout"),
-        "rate": model.state("payout_rate") if model.has_state("payout_rate") else -1,
         "unit": rows.unit_states,
         "sea_states": len(design.sea_states),
         "sea": [model.state(name) for name in design.sea_states],

@@ -10,6 +10,8 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+from heave_core.filter_table import STATES
+from heave_core.law import put
 from heave_core.law_table import MEAN_MOTION, Moved
 from heave_core.library import library, new
 from heave_node.numerics.arrays import Array
@@ -77,6 +79,8 @@ class MeanMotion:
 
     def carry(self, matrix: Array) -> None:
         """Count the state in the terms of another model: `matrix` times the present one, shape (n_new, n)."""
+        lead = matrix @ self.record["lead"][0, : matrix.shape[1]]
+        put(self.record, {"lead": np.pad(lead, (0, STATES - len(lead)))})
         self.state = matrix @ self.state
 
     def begin_at(self, payout: float, model: LinearModel, winch: WinchModelParameters) -> None:
@@ -93,6 +97,7 @@ class MeanMotion:
         """Go on from `state`, shape (n,), about a mean that is `lowered` [m] below the present one, at rest there."""
         self.mean.jump_to(self.mean.point.payout + lowered)
         self.state = state
+        self.record["lead"] = 0.0
         self.left_over.jump_to(0.0)
         self.carried.jump_to(self.carried.point.payout)
 
