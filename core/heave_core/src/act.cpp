@@ -9,12 +9,17 @@ namespace {
 // What the encoder reads at a payout, its jumps included: a drive's position loop counts by it.
 double count_at(const ActSeen &seen, double payout) { return seen.scale * (payout + seen.offset); }
 
-// Share of the command that moves the mean payout: its rate, and the lag of the winch ahead.
+// Command with which the winch moves by a payout: its rate, and the lag of the winch ahead.
+double command_for(const ActiveWinch &winch, double payout, double rate, double acceleration) {
+    if (winch.is_first_order) return payout + rate / winch.position_rate;
+    return rate + winch.lag * acceleration + winch.position_gain * payout;
+}
+
+// Share of the command that moves the mean payout.
 double reference_command(const ActiveWinch &winch, const MeanMotion &motion) {
     const MeanPayout &mean = motion.mean, &carried = motion.carried;
-    const double payout = mean.payout + carried.payout, rate = mean.move.rate + carried.move.rate;
-    if (winch.is_first_order) return payout + rate / winch.position_rate;
-    return rate + winch.lag * (mean.move.slope + carried.move.slope) + winch.position_gain * payout;
+    return command_for(winch, mean.payout + carried.payout, mean.move.rate + carried.move.rate,
+                       mean.move.slope + carried.move.slope);
 }
 
 // Share of the command with which the drum leads the mean payout u by a u'' + b u': the unit then moves as that does, since
@@ -31,8 +36,8 @@ void lead(const Acting &on) {
         on.loop->lead_command = last = 0.0;
     } else {
         last = design.inertia * move.slope + design.damping * move.rate;
-        const double rate = (last - before) / winch.tick_period;
-        on.loop->lead_command = winch.is_first_order ? last + rate / winch.position_rate : rate + winch.position_gain * last;
+        // its acceleration would take the jerk's derivative: the lag of the winch is not made up for
+        on.loop->lead_command = command_for(winch, last, (last - before) / winch.tick_period, 0.0);
     }
     std::copy_n(state, design.states, on.loop->lead_state);
 }
