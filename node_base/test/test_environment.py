@@ -1,6 +1,7 @@
 """Who can reach a node is decided by a few variables: what comes of each of the user's settings."""
 
 import os
+import subprocess
 import sys
 from importlib import resources
 from xml.etree import ElementTree
@@ -17,6 +18,22 @@ from heave_node.ros.transport.environment import (
 RANGE = "ROS_AUTOMATIC_DISCOVERY_RANGE"
 PROFILE = "FASTDDS_DEFAULT_PROFILES_FILE"
 PROFILES = resources.files("heave_node") / "fastdds_profiles"
+OF_THIS_MACHINE = dict(os.environ)
+
+NODE = """
+import os
+from pathlib import Path
+from heave_node.ros.transport.environment import open_to_network, prepare_environment
+if {is_open}:
+    open_to_network()
+prepare_environment()
+import rclpy
+rclpy.init()
+node = rclpy.create_node("short_lived")
+opened = [os.path.realpath(entry) for entry in Path("/proc/self/fd").iterdir()]
+mapped = Path("/proc/self/maps").read_text().splitlines()
+print([line for line in (*opened, *mapped) if "/dev/shm/" in line and "fastdds" in line])
+"""
 
 
 @pytest.fixture(autouse=True)
@@ -140,6 +157,18 @@ def test_the_profiles_differ_between_versions_of_fast_dds_in_the_names_of_tags_o
             text = text.replace(tag, common)
         contents[version] = text.replace(namespace.strip("{}"), "namespace")
     assert contents[2] == contents[3]
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="what a process holds is read as Linux shows it")
+@pytest.mark.parametrize("is_open", [False, True])
+def test_a_node_shares_no_memory_with_those_that_join_or_die(is_open):
+    """By shared memory, who joins stops a node of the loop for 333 ms (Fast DDS, issue 6535), and who is killed while
+    he holds a lock stops it for ever.
+    """
+    environment = {**OF_THIS_MACHINE, "ROS_DOMAIN_ID": "231"}
+    program = [sys.executable, "-c", NODE.format(is_open=is_open)]
+    done = subprocess.run(program, env=environment, capture_output=True, text=True, timeout=120, check=True)
+    assert done.stdout == "[]\n"
 
 
 @pytest.mark.parametrize("reach", ["loopback", "network"])

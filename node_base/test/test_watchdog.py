@@ -81,7 +81,7 @@ def test_a_start_of_several_steps_is_watched_to_its_end_and_the_processes_that_i
 
 
 def test_a_command_that_never_leaves_ros_ends_once_its_nodes_have_and_says_what_it_was_to_say():
-    """Fast DDS waits for a lock in shared memory that a killed process holds, where a publisher is removed."""
+    """By shared memory, Fast DDS waits for a lock that a killed process holds, where a publisher is removed."""
     done = run(STUCK_AT_ITS_END)
     assert done.returncode == -signal.SIGKILL
     assert done.stdout == "lives while a node does\n"

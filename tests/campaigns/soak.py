@@ -1,4 +1,4 @@
-"""Long runs: memory, descriptors, shared memory and files of the nodes stay what they were after the first quarter.
+"""Long runs: memory, descriptors and files of the nodes stay what they were after the first quarter.
 
     python -m tests.campaigns.soak                                     # 15 simulated hours, then a real one
     python -m tests.campaigns.soak --kinds composed --hours 2
@@ -13,7 +13,6 @@ grows, is left behind, or the run does not do what it should. A run ends with th
 from __future__ import annotations
 
 import argparse
-import re
 import signal
 import statistics
 import subprocess
@@ -31,7 +30,6 @@ from heave_bringup.nodes import PROCESS_BY_NAME
 from heave_bringup.progress import ProgressLine
 from heave_bringup.run.launcher import TOGETHER
 from heave_node.ros.transport import parents_death
-from heave_node.ros.transport.shared_memory import SHARED_MEMORY
 
 from tests.campaigns.in_process import commit_line
 from tests.loop_runs import HAS_RUN, environment
@@ -41,13 +39,9 @@ HOURS = {"composed": 15.0, "processes": 1.0}
 OPTIONS = {"composed": ["--composed"], "processes": ["--pacing", "realtime"]}
 """Options of `heave run` for each kind."""
 
-ALLOWED = {"memory": (0.02, 4.0), "descriptors": (0.0, 2.0), "shared memory": (0.0, 0.0), "files": (0.0, 0.0)}
+ALLOWED = {"memory": (0.02, 4.0), "descriptors": (0.0, 2.0), "files": (0.0, 0.0)}
 """What may be added from the second quarter to the last: a share, and so many megabytes, descriptors and files."""
-UNITS = {"memory": "MB", "descriptors": "", "shared memory": "segments", "files": "beside the bag"}
-
-
-PORT = "fastdds_port"
-"""Begin of the names of what all runs share: a bounded number that is used again, see `shared_memory`."""
+UNITS = {"memory": "MB", "descriptors": "", "files": "beside the bag"}
 
 
 @dataclass(frozen=True)
@@ -56,13 +50,11 @@ class Look:
 
     memory: Mapping[str, float]  # that no other process shares, of each node by its name [MB]
     descriptors: int  # that are open
-    # names of the middleware's files in shared memory that they or the command have mapped
-    shared_memory: frozenset[str]
     files: int  # in the folder of the run, the bag's apart
 
     def figures(self) -> dict[str, float]:
         """Return them by name."""
-        values = (sum(self.memory.values()), self.descriptors, len(self.shared_memory), self.files)
+        values = (sum(self.memory.values()), self.descriptors, self.files)
         return dict(zip(ALLOWED, values, strict=True))
 
 
@@ -87,8 +79,7 @@ def look_at(command: psutil.Process, folder: Path) -> Look | None:
             memory[_name(node)] = node.memory_full_info().uss / 1e6
             descriptors += node.num_fds()
     files = sum(path.is_file() for path in folder.rglob("*") if "bag" not in path.relative_to(folder).parts)
-    mapped = frozenset[str]().union(*map(_mapped, [command, *nodes]))
-    return Look(memory, descriptors, mapped, files) if nodes else None
+    return Look(memory, descriptors, files) if nodes else None
 
 
 def _words(process: psutil.Process) -> list[str]:
@@ -104,17 +95,9 @@ def _name(process: psutil.Process) -> str:
     return next((node.name for node in PROCESS_BY_NAME.values() if node.module in words), TOGETHER)
 
 
-def _mapped(process: psutil.Process) -> set[str]:
-    """Return the names of the middleware's files in shared memory that a process has mapped."""
-    with suppress(OSError):
-        maps = Path(f"/proc/{process.pid}/maps").read_text()
-        return set(re.findall(rf"{SHARED_MEMORY}/(\S*fastdds_\S+)", maps))
-    return set()
-
-
 def soak(kind: str, hours: float, scenario: str, place: Path, show: Callable[[str], None]) -> Soaked:
     """Run a `scenario` for so many `hours` into the folder `place`, and look at its nodes all the while."""
-    folder, before = place / "run", set(SHARED_MEMORY.glob("*fastdds_*"))
+    folder = place / "run"
     wanted = 3600.0 * hours
     words = ["run", scenario, "--duration", f"{wanted:g}", "--quiet", "--no-report", "--no-baseline"]
     command = parents_death.command("heave_bringup.cli", *words, "--bag", str(folder), *OPTIONS[kind])
@@ -134,16 +117,8 @@ def soak(kind: str, hours: float, scenario: str, place: Path, show: Callable[[st
             with suppress(psutil.NoSuchProcess):  # it has come to its end
                 run.terminate()
             run.wait()
-        own = sorted(name for name in _used(looks) if not name.startswith(PORT))
-        left = [name for name in own if (file := SHARED_MEMORY / name).exists() and file not in before]
     wrong = [] if run.returncode in HAS_RUN else [f"status {run.returncode}: {(place / 'said.txt').read_text()[-300:]}"]
-    if left:
-        wrong.append(f"left in shared memory: {', '.join(left[:5])}")
     return Soaked(kind, hours, time.monotonic() - begun, looks, wrong)
-
-
-def _used(looks: list[Look]) -> frozenset[str]:
-    return frozenset[str]().union(*(look.shared_memory for look in looks))
 
 
 def judged(soaked: Soaked) -> list[tuple[str, float, float, bool]]:

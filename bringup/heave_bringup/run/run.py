@@ -18,7 +18,6 @@ from heave_node.parameters import ParameterError
 from heave_node.ros.master import STOP_RECORDING_TIME
 from heave_node.ros.transport.environment import prepare_environment
 from heave_node.ros.transport.forked import Forked
-from heave_node.ros.transport.shared_memory import remove_dead_segments
 from heave_node.ros.transport.watchdog import Watchdog, watched_start
 from heave_node.scenario import write_sections
 
@@ -138,7 +137,6 @@ def run_scenario(
     behind, and the bag is closed.
     """
     prepare_environment()
-    remove_dead_segments()
     replaced = replaced or Replacements()
     if MASTER in replaced.lockstep:  # it takes part in each tick, as others do, and does not lead them
         run = replace(scenario.run, participants=(*scenario.run.participants, MASTER))
@@ -181,7 +179,6 @@ def run_scenario(
                 progress.close()
                 launcher.stop()
                 monitor.close()
-                remove_dead_segments()
 
 
 def _until_started(watchdog: Watchdog, was_interrupted: threading.Event, on_look: OnLook | None) -> OnLook:

@@ -1,9 +1,9 @@
 """The process environment that the middleware needs, and with it who can reach a node; one definition for nodes,
 commands, tests and tools.
 
-By default a run is on this machine alone: shared memory, and UDP bound to loopback. ROS's own range `LOCALHOST` is not
-enough for that: it looks for nodes on this machine only, but listens on every interface, and answers whoever names this
-host as a static peer. So the transport is set by a profile of Fast DDS, and the range is left to that profile.
+By default a run is on this machine alone: UDP bound to loopback. ROS's own range `LOCALHOST` is not enough for that: it
+looks for nodes on this machine only, but listens on every interface, and answers whoever names this host as a static
+peer. So the transport is set by a profile of Fast DDS, and the range is left to that profile.
 """
 
 from __future__ import annotations

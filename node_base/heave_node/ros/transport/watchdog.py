@@ -1,8 +1,8 @@
 """Ends a process whose middleware never comes back, and refuses to start it without memory.
 
-Fast DDS waits for ever inside the creation of a participant where it gets no memory or no thread, and inside the
-removal of one where a process was killed that held a lock in their shared memory. Then no handler of a signal, and no
-thread of Python, has a turn in this process: another process must watch.
+Fast DDS waits for ever inside the creation of a participant where it gets no memory or no thread, and, over shared
+memory (a transport that the user may choose), inside the removal of one where a process was killed that held a lock
+there. Then no handler of a signal, and no thread of Python, has a turn in this process: another process must watch.
 """
 
 from __future__ import annotations
