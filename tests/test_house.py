@@ -47,18 +47,18 @@ FOLDERS = {
 
 BUDGETS = {
     "core": (4_138, 2_800),
-    "node_base": (12_744, 9_500),
+    "node_base": (12_687, 9_500),
     "wave_vessel_node": (5_081, 4_400),
     "cable_sim_node": (8_994, 8_500),
     "winch_controller_node": (18_746, 14_000),
     "bags": (10_660, 7_700),
-    "bringup": (7_714, 6_100),
+    "bringup": (7_711, 6_100),
     "extras/devices": (7_530, 4_900),
     "extras/studies": (12_349, 6_000),
     "extras/statics": (3_190, 1_800),
     "extras/drives": (1_768, 1_768),
     "extras/panel": (1_538, 900),
-    "extras/fmu": (1_910, 900),
+    "extras/fmu": (1_903, 900),
 }
 """Source lines that a wing may have: what it has, and what it is to come to. A wing grows only where another pays."""
 

@@ -16,7 +16,7 @@ from typing import Any
 
 from tests.campaigns.fault_matrix.cases import Cell
 from tests.campaigns.fault_matrix.figures import BARS, COLUMNS, GROUPS, Ran, breaches, cells_of, kept, worst
-from tests.campaigns.fault_matrix.judge import LARGEST_UNIT, MARGIN
+from tests.campaigns.fault_matrix.judge import ENVELOPE, LARGEST_UNIT, MARGIN
 from tests.campaigns.fault_matrix.run import Outcome
 
 ROOT = Path(__file__).parents[3]
@@ -28,7 +28,7 @@ NUMBERS = ("named", "rest", "travel", "envelope", "unit", "tension", "slack", "r
 LATER = ("stopped", "without", "past_brake")
 """Figures at the end of a row, of which older results have the first or none."""
 
-HEAD = """# Every fault in every mode
+HEAD = f"""# Every fault in every mode
 
 How drum, load (*unit*) and alarms react to every kind of fault of every device, in every phase of a lift, with all
 values as assumed or with one that differs. Generated from `docs/fault_matrix.json` by
@@ -36,12 +36,14 @@ values as assumed or with one that differs. Generated from `docs/fault_matrix.js
 
 | term | meaning |
 | --- | --- |
-| envelope | drum speed up to 1.5 times the boom tip's in a minute + 0.25 m/s, travel 1.5 times its heave + 0.3 m; |
+| envelope | drum speed up to {ENVELOPE.rate_factor:g} times the boom tip's in a minute |
+| | + {ENVELOPE.rate_margin:g} m/s, travel {ENVELOPE.travel_factor:g} times its heave + {ENVELOPE.travel_margin:g} m; |
 | | in the first minute [as much more as the envelope allows](guide/controller/envelope.md#bounds) |
-| travel | drum travel from fault to rest, beyond the requested move: at most the heave of the last minute + 0.3 m |
-| unit | load motion from 10 s after the fault on: at most 1.3 times that with the winch locked |
+| travel | drum travel from fault to rest, beyond the requested move: |
+| | at most the heave of the last minute + {MARGIN:g} m |
+| unit | load motion from 10 s after the fault on: at most {LARGEST_UNIT:g} times that with the winch locked |
 | travel, otherwise | where the drum goes on: at most as far as in the same run without the fault |
-| unit, otherwise | at most 1.3 times the same run without the fault, stopped at once where the drum was |
+| unit, otherwise | at most {LARGEST_UNIT:g} times the same run without the fault, stopped at once where the drum was |
 | named | an alarm names the faulty part (of faults that have an effect) |
 | not blamed | no alarm names a healthy part |
 | past the brake | drum travel under an ordered brake that does not hold: left out of the three above where no command |
@@ -51,9 +53,9 @@ values as assumed or with one that differs. Generated from `docs/fault_matrix.js
 
 Load motion is the standard deviation of heave over each minute from 10 s after the fault on. It is divided by that of
 the same load in the same sea with the winch locked, which is simulated alongside; the largest ratio counts. A drum that
-stops at once lets the load swing for minutes, whatever stopped it. Where the ratio exceeds 1.3, the run is repeated
-from the same state without the fault, with an emergency stop at the moment when the fault stopped the drum, if it did.
-The fault may then add at most 30 %.
+stops at once lets the load swing for minutes, whatever stopped it. Where the ratio exceeds {LARGEST_UNIT:g}, the run is
+repeated from the same state without the fault, with an emergency stop at the moment when the fault stopped the drum, if
+it did. The fault may then add at most {100.0 * (LARGEST_UNIT - 1.0):g} %.
 
 A fault without effect (a reversed drive while the brake holds) need not be named. Faults of network, PLC and recorder
 are not included, because they need more than one process.
@@ -69,7 +71,7 @@ class Shown:
 
 
 def row_of(one: Cell, found: Outcome) -> list[Any]:
-    """Return a case as a row of the results; numbers to three digits, what is infinite or none as null."""
+    """Return a case as a row of the results; numbers to six digits, what is infinite or none as null."""
     numbers = [_number(getattr(found, name)) for name in NUMBERS]
     words = one.words if breaches(found) else ""
     return [
@@ -87,7 +89,7 @@ def row_of(one: Cell, found: Outcome) -> list[Any]:
 def _number(value: float) -> float | str | None:
     if math.isnan(value):
         return None
-    return "inf" if math.isinf(value) else float(f"{value:.3g}")
+    return "inf" if math.isinf(value) else float(f"{value:.6g}")
 
 
 def shown_of(row: Sequence[Any]) -> tuple[Shown, Outcome]:
