@@ -1,6 +1,7 @@
 """An external node held against its contract, and the page that says what the contract is."""
 
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -31,6 +32,11 @@ def heard(**changes) -> Heard:
 
 def test_a_node_that_does_everything_right_is_as_the_contract_says():
     assert all(finding.is_good for finding in judge_topic(MRU, heard()))
+
+
+def test_a_rate_that_the_contract_leaves_open_is_not_expected_to_be_any():
+    (found,) = [finding for finding in judge_topic(replace(MRU, rate=0.0), heard()) if finding.what == "rate"]
+    assert found.words.startswith("20.0 Hz, jitter")
 
 
 @pytest.mark.parametrize(

@@ -75,8 +75,8 @@ def _rate(port: Port, heard: Heard) -> Finding:
     if not intervals.size:
         return Finding(port.topic.name, "rate", False, "only one message")
     rate, jitter = 1.0 / float(np.mean(intervals)), float(np.std(intervals))
-    words = f"{rate:.1f} Hz (expected {port.rate:g}), jitter {1e3 * jitter:.1f} ms, "
-    words += f"largest gap {1e3 * intervals.max():.0f} ms"
+    wanted = f" (expected {port.rate:g})" if port.rate else ""
+    words = f"{rate:.1f} Hz{wanted}, jitter {1e3 * jitter:.1f} ms, largest gap {1e3 * intervals.max():.0f} ms"
     return Finding(port.topic.name, "rate", rate >= SLOW * port.rate, words)
 
 
