@@ -281,6 +281,14 @@ def test_a_drum_is_stopped_at_once_where_it_comes_to_rest_quicker_than_in_an_ord
     assert stopped_at_once(time, np.full(100, 0.3), 2.0, math.inf) == math.inf
 
 
+def test_a_drum_that_a_fault_stops_within_a_second_is_stopped_at_once_even_where_it_turns():
+    time = 0.1 * np.arange(100)
+    turning = np.where(time < 5.1, 0.3 * np.sin(0.5 * (time - 5.0)), 0.0)
+    assert stopped_at_once(time, turning, 5.0, 0.1) == 0.0
+    assert stopped_at_once(time, 0.1 * turning, 5.0, 0.1) == math.inf, "it hardly moved"
+    assert stopped_at_once(time, turning, 3.0, 2.1) == math.inf
+
+
 def test_what_the_same_run_does_without_the_fault_stopped_at_once_as_well_is_no_faults():
     unit = next(bar for bar in BARS if bar.name.startswith("unit"))
     assert unit.holds(Outcome(unit=2.0, stopped=1.9))

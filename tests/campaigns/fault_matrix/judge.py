@@ -37,7 +37,7 @@ ORDERLY, SUDDEN = 0.5, 0.05
 """Deceleration of an orderly stop [m/s^2]; speed beyond that from which a drum comes to rest at once [m/s]."""
 
 TAKES_EFFECT = 1.0
-"""Time in which an order to brake takes effect, its delay included [s]."""
+"""Time in which an order takes effect, its delay included [s]."""
 
 SHOWN = 0.1
 """Way of the drum, made or ordered, that shows a fault of what moves it [m]."""
@@ -148,7 +148,8 @@ def rest_after(time: Array, rate: Array, brake: Array, begin: float) -> float:
 def stopped_at_once(time: Array, rate: Array, begin: float, rest: float) -> float:
     """Return how long after `begin` [s] a drum is last quicker than in an orderly stop that ends when it does.
 
-    Infinite: it comes to rest in an orderly way, or never.
+    Infinite: it comes to rest in an orderly way, or never. 0: a drum that has moved within `TAKES_EFFECT` before the
+    fault stands within as long after it, by no order, and the load is let go as by any other stop.
 
     Parameters
     ----------
@@ -157,7 +158,10 @@ def stopped_at_once(time: Array, rate: Array, begin: float, rest: float) -> floa
     """
     left = begin + rest - time
     found = time[(time >= begin) & (left > 0.0) & (np.abs(rate) > ORDERLY * left + SUDDEN)]
-    return float(found[-1]) - begin if found.size else math.inf
+    if found.size:
+        return float(found[-1]) - begin
+    before = np.abs(rate[(time >= begin - TAKES_EFFECT) & (time <= begin)])
+    return 0.0 if 0.0 < rest <= TAKES_EFFECT and np.max(before) > SUDDEN else math.inf
 
 
 def past_brake(time: Array, payout: Array, ordered: Array, only_brake: Array) -> Array:
