@@ -148,8 +148,8 @@ def rest_after(time: Array, rate: Array, brake: Array, begin: float) -> float:
 def stopped_at_once(time: Array, rate: Array, begin: float, rest: float) -> float:
     """Return how long after `begin` [s] a drum is last quicker than in an orderly stop that ends when it does.
 
-    Infinite: it comes to rest in an orderly way, or never. 0: a drum that has moved within `TAKES_EFFECT` before the
-    fault stands within as long after it, by no order, and the load is let go as by any other stop.
+    Infinite: it comes to rest in an orderly way, or never. 0: a drum that was not at rest stands within `TAKES_EFFECT`,
+    by no order, at whatever speed, and the load is let go as by any other stop.
 
     Parameters
     ----------
@@ -160,8 +160,7 @@ def stopped_at_once(time: Array, rate: Array, begin: float, rest: float) -> floa
     found = time[(time >= begin) & (left > 0.0) & (np.abs(rate) > ORDERLY * left + SUDDEN)]
     if found.size:
         return float(found[-1]) - begin
-    before = np.abs(rate[(time >= begin - TAKES_EFFECT) & (time <= begin)])
-    return 0.0 if 0.0 < rest <= TAKES_EFFECT and np.max(before) > SUDDEN else math.inf
+    return 0.0 if 0.0 < rest <= TAKES_EFFECT else math.inf
 
 
 def past_brake(time: Array, payout: Array, ordered: Array, only_brake: Array) -> Array:
