@@ -37,10 +37,10 @@ values as assumed or with one that differs. Generated from `docs/fault_matrix.js
 | term | meaning |
 | --- | --- |
 | envelope | drum speed up to 1.5 times the boom tip's in a minute + 0.25 m/s, travel 1.5 times its heave + 0.3 m; |
-| | in the first minute [as much more as the envelope allows](guide/controller/envelope.md#bounds) |
+| | in the first minute, at a start, in a move [as much more as it allows](guide/controller/envelope.md#bounds) |
 | travel | drum travel from fault to rest, beyond the requested move: at most the heave of the last minute + 0.3 m |
 | unit | load motion from 10 s after the fault on: at most 1.3 times that with the winch locked |
-| travel, otherwise | where the drum goes on: at most as far as in the same run without the fault |
+| travel, otherwise | at most as far as in the same run without the fault, if both end at rest or neither does |
 | unit, otherwise | at most 1.3 times the same run without the fault, stopped at once where the drum was |
 | named | an alarm names the faulty part (of faults that have an effect) |
 | not blamed | no alarm names a healthy part |
