@@ -17,6 +17,7 @@ from heave_node.interface.alarm import Severity
 from heave_node.interface.fault_kinds import FAULTS, faults_of
 from heave_node.interface.sensors import MruReading
 from winch_controller_node.interface.readings import Measurements, Outputs, ScalarReading, WinchReading
+from winch_controller_node.model.blocks import CableModel
 from winch_controller_node.motion.trajectory import MeanPayout
 from winch_controller_node.parameters.laws import MoveParameters
 
@@ -31,6 +32,7 @@ from tests.campaigns.fault_matrix.judge import (
     blamed,
     envelope_ratio,
     held_for,
+    lead_of,
     named_after,
     past_brake,
     path_of,
@@ -143,6 +145,26 @@ def test_the_envelope_is_that_of_rate_and_heave_of_the_minute():
     assert envelope_ratio(TIME, gently, gently, still, Asked(12.0, 0.4), BEGIN) < 1.0, "a move comes to rest smoothly"
     assert envelope_ratio(TIME, 1.2 * gently, gently, still, Asked(12.0, 0.4), BEGIN) > 1.0
     assert envelope_ratio(TIME, 1.2 * gently, 1.2 * gently, still, Asked(12.0, 0.4), BEGIN) > 1.0, "further than asked"
+
+
+def test_the_envelope_is_wider_for_a_swing_that_is_to_be_stopped_and_a_load_that_is_to_follow():
+    """Of a z'' + b z' + z = -payout with a = 4 s^2, b = 0.5 s; a swing of 0.5 m has a spread of 0.354 m."""
+    cable, none = CableModel(4.0, 0.5), np.zeros_like(TIME)
+    swings = 0.5 * np.sin(OMEGA * TIME)
+    lead = lead_of(TIME, none, swings, TIME >= BEGIN, Asked(), cable)
+    assert lead[TIME < BEGIN - PERIOD].max() == 0.0
+    assert lead.max() == pytest.approx(0.5 / math.sqrt(2.0), rel=1e-2)
+    assert lead[TIME >= BEGIN + 60.0][0] == pytest.approx(lead.max() / math.e, rel=1e-2)
+    planned = np.interp(TIME - BEGIN, [0.0, 1.0, 20.0], [0.0, 0.2, 7.8])
+    planned = np.convolve(np.pad(planned, 10, "edge"), np.ones(21) / 21.0, "valid")  # from rest to 0.2, then 0.4 m/s
+    moves = Asked(7.8, 0.4)
+    assert lead_of(TIME, planned, none, TIME < 0.0, moves, cable)[TIME >= BEGIN + 19.0][0] > 0.5 * 0.4
+    assert lead_of(TIME, planned, none, TIME < 0.0, Asked(), cable).max() == 0.0, "nothing was asked"
+    tip = np.sin(OMEGA * TIME)
+    narrow, wide = (
+        envelope_ratio(TIME, 2.0 * tip, none, tip, Asked(), BEGIN, one, cable) for one in (none, none + 0.2)
+    )
+    assert wide == pytest.approx(narrow * 1.8 / 2.0, rel=1e-2)
 
 
 def test_the_unit_counts_from_ten_seconds_after_the_fault_on():
@@ -279,6 +301,14 @@ def test_a_drum_is_stopped_at_once_where_it_comes_to_rest_quicker_than_in_an_ord
         assert stopped_at_once(time, rate, 2.0, 3.0) == pytest.approx(found - 2.0)
         assert stopped_at_once(time, rate, 6.0, 0.0) == math.inf
     assert stopped_at_once(time, np.full(100, 0.3), 2.0, math.inf) == math.inf
+
+
+def test_a_drum_that_a_fault_stops_within_a_second_is_stopped_at_once_even_where_it_turns():
+    time = 0.1 * np.arange(100)
+    turning = np.where(time < 5.1, 0.3 * np.sin(0.5 * (time - 5.0)), 0.0)
+    assert stopped_at_once(time, turning, 5.0, 0.1) == 0.0
+    assert stopped_at_once(time, turning, 5.0, 0.0) == math.inf, "it was at rest"
+    assert stopped_at_once(time, turning, 3.0, 2.1) == math.inf
 
 
 def test_what_the_same_run_does_without_the_fault_stopped_at_once_as_well_is_no_faults():

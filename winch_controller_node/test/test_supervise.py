@@ -5,6 +5,7 @@ import math
 import pytest
 from heave_core.modes_table import SUPERVISED
 from heave_node.interface.codes import WinchFault
+from winch_controller_node.core.estimation.sense_design import BACK_TIME
 from winch_controller_node.core.supervision.modes import Mode
 from winch_controller_node.core.supervision.supervision_design import BLIND_LIMIT, LONGEST_AGE
 
@@ -110,6 +111,32 @@ def test_a_settled_unit_lets_a_fade_out_end_and_one_that_swings_does_not():
         decision = loop.step(offset=offset, winch={"settled_swing": 0.1, "speed": 1.0, "inhibition": None})
         assert decision.is_damped
         assert (decision.mode.mode is Mode.STOPPING) is ends
+
+
+def test_a_fade_out_by_the_law_goes_on_over_a_gap_and_again_once_the_sensor_is_back():
+    """A gap of a second in a fade-out that was requested left 1.7 times the swing: the law let the load go for good."""
+    loop = Supervised()
+    loop.run(30.0)
+    loop.supervisor.modes.request("standby")
+    by_law = [row.name for row in SUPERVISED.rows].index("fades_by_law")
+
+    def lets_go(seconds, *lost):
+        loop.run(seconds, lost=lost, offset=1.0, winch={"settled_swing": 0.1, "speed": 1.0})
+        return bool(loop.supervisor.done[by_law])
+
+    coasts = loop.design.parameters.modes.coast_time
+    assert lets_go(1.0)
+    assert lets_go(coasts - 0.5, "mru")
+    assert lets_go(1.0)
+    assert not lets_go(coasts + 0.5, "mru")
+    assert lets_go(BACK_TIME + 0.5)
+
+
+def test_a_fade_out_that_no_operator_has_requested_is_not_by_the_law():
+    loop = Supervised()
+    loop.run(loop.design.parameters.modes.coast_time + 0.5, lost=("mru",), winch={"speed": 1.0})
+    assert loop.supervisor.modes.mode is Mode.FADE_OUT
+    assert not loop.supervisor.done[[row.name for row in SUPERVISED.rows].index("fades_by_law")]
 
 
 def test_a_decision_is_finite_in_whatever_is_read():

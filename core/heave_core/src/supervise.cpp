@@ -185,6 +185,14 @@ bool may_damp(const Supervising &on, const Lost &lost) {
     return on.tick->has_depth != 0.0 && !lost.depth && !is_mru_lost;
 }
 
+// Whether the law itself lets the unit go: an operator has asked for the fade-out, and the sensors are well. Without one it
+// goes on by prediction for as long as compensation does, and again once that one is back.
+bool lets_go(const Supervising &on) {
+    const ModeState &mode = *on.mode;
+    const bool is_known = mode.coasted <= on.modes->coast_time || mode.well_time > on.modes->back_time;
+    return on.state->fades_by_law && !mode.wants && is_known;
+}
+
 // Inputs of the mode machine; returns whether the unit is damped. A unit that stands is at rest, and one that swings as
 // below a locked winch may go beyond a highest tension.
 bool fill_situation(const Supervising &on, const Lost &lost) {
@@ -192,7 +200,7 @@ bool fill_situation(const Supervising &on, const Lost &lost) {
     Situation &now = *on.situation;
     const bool is_reversed = seen.is_reversed != 0.0, is_blind = is_damped_blind(on, lost);
     const bool can_settle = on.landing_state->unit_stands == 0.0 && std::isinf(on.design->highest_ratio);
-    const bool settles = on.state->fades_by_law && can_settle, has_faded = settles && on.mode->authority == 0.0;
+    const bool settles = lets_go(on) && can_settle, has_faded = settles && on.mode->authority == 0.0;
     const bool is_damped = !is_reversed && (is_blind || has_faded || may_damp(on, lost));
     const int fault = int(seen.fault), encoder = on.sense->encoder;
     now.lost = is_lost(on, lost);
@@ -217,12 +225,12 @@ bool fill_situation(const Supervising &on, const Lost &lost) {
     return is_damped;
 }
 
-// Whether the law itself lets the unit go: an operator has asked for the fade-out, and all is well.
+// A fade-out of compensation.
 void follow_mode(const Supervising &on, int before) {
     const int mode = on.mode->mode;
     if (mode == IN_COMPENSATING && before == IN_FADE_OUT) allow_resumption(*on.guard, *on.guard_state);
-    if (mode != IN_FADE_OUT || on.situation->lost != 0.0) on.state->fades_by_law = 0;
-    else if (before == IN_COMPENSATING) on.state->fades_by_law = !on.mode->wants;
+    if (mode != IN_FADE_OUT) on.state->fades_by_law = 0;
+    else if (before == IN_COMPENSATING) on.state->fades_by_law = 1;
 }
 
 // Lowering without depth readings is news; touchdown while lowering, and that the unit hangs again after lift-off.
@@ -265,7 +273,7 @@ void report(const Supervising &on, bool is_damped, int happened) {
     done.is_inhibited = on.attempts->inhibits;
     done.is_damped = is_damped;
     done.trusts_estimate = !on.attempts->distrusts && !is_reversed;
-    done.fades_by_law = on.state->fades_by_law;
+    done.fades_by_law = lets_go(on);
     done.unit_stands = !hangs(*on.landing_state);
     done.bounds_tension = on.state->is_kept;
     done.happened = happened;

@@ -12,7 +12,7 @@ where none is named. All kinds come equally often, and all moments. Four faults 
 Of each case: time to the alarm that names the part at fault, healthy parts that are blamed, time to rest, travel of the
 drum until then over the heave of the rolling minute and 0.3 m, rate and travel over the envelope, motion of the unit
 from 10 s after the fault over that of the locked one, tension. Where the unit moves more than it may, or the drum goes
-on and further, the same run is done without the fault, with an emergency stop where the drum was stopped at once: what
+further, the same run is done without the fault, with an emergency stop where the drum was stopped at once: what
 a load does that is let go is no fault's. What was run stands in a journal in `runs/fault_matrix`:
 the same command on the same sources goes on where it was ended, and only prints where all is there. Not here, for they
 need more than a process: links of a network, a PLC, a recorder.

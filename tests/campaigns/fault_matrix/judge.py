@@ -11,7 +11,9 @@ from heave_node.interface.alarm import Severity
 from heave_node.kpi import WORSE_FLOOR
 from heave_node.numerics.arrays import Array
 from heave_studies.promise.run import IDENTIFIED, NO_BLAME, PARTS, blamed_by
+from winch_controller_node.model.blocks import CableModel
 from winch_controller_node.parameters.envelope import EnvelopeParameters
+from winch_controller_node.parameters.laws import MoveParameters
 
 from tests.campaigns.fault_matrix.moments import Asked
 
@@ -23,6 +25,9 @@ MARGIN = 0.3
 
 ENVELOPE = EnvelopeParameters()
 """Factors and margins of the bounds, as they are documented in `docs/guide/controller/envelope.md`."""
+
+MOVE = MoveParameters()
+"""Acceleration of a move."""
 
 SETTLED = 10.0
 """Time after the beginning of a fault from which on the unit's motion counts [s]."""
@@ -37,7 +42,7 @@ ORDERLY, SUDDEN = 0.5, 0.05
 """Deceleration of an orderly stop [m/s^2]; speed beyond that from which a drum comes to rest at once [m/s]."""
 
 TAKES_EFFECT = 1.0
-"""Time in which an order to brake takes effect, its delay included [s]."""
+"""Time in which an order takes effect, its delay included [s]."""
 
 SHOWN = 0.1
 """Way of the drum, made or ordered, that shows a fault of what moves it [m]."""
@@ -148,7 +153,8 @@ def rest_after(time: Array, rate: Array, brake: Array, begin: float) -> float:
 def stopped_at_once(time: Array, rate: Array, begin: float, rest: float) -> float:
     """Return how long after `begin` [s] a drum is last quicker than in an orderly stop that ends when it does.
 
-    Infinite: it comes to rest in an orderly way, or never.
+    Infinite: it comes to rest in an orderly way, or never. 0: a drum that was not at rest stands within `TAKES_EFFECT`,
+    by no order, at whatever speed, and the load is let go as by any other stop.
 
     Parameters
     ----------
@@ -157,7 +163,9 @@ def stopped_at_once(time: Array, rate: Array, begin: float, rest: float) -> floa
     """
     left = begin + rest - time
     found = time[(time >= begin) & (left > 0.0) & (np.abs(rate) > ORDERLY * left + SUDDEN)]
-    return float(found[-1]) - begin if found.size else math.inf
+    if found.size:
+        return float(found[-1]) - begin
+    return 0.0 if 0.0 < rest <= TAKES_EFFECT else math.inf
 
 
 def past_brake(time: Array, payout: Array, ordered: Array, only_brake: Array) -> Array:
@@ -209,7 +217,43 @@ def travel_ratio(time: Array, payout: Array, tip: Array, asked: Asked, begin: fl
     return float(np.max(beyond(time, payout, asked, begin)[since] / (largest + MARGIN), initial=0.0))
 
 
-def envelope_ratio(time: Array, payout: Array, planned: Array, tip: Array, asked: Asked, begin: float) -> float:
+def lead_of(time: Array, planned: Array, stretch: Array, follows: Array, asked: Asked, cable: CableModel) -> Array:
+    """Return the further travel that the envelope allows a drum that moves a load or stops its swing, at each tick [m].
+
+    A load follows a move with a z'' + b z' + z = -payout; what it swings below a locked drum is stopped as compensation
+    begins. Either fades within a minute, and comes with a speed at the load's own frequency.
+
+    Parameters
+    ----------
+    time, planned, stretch : of each tick [s], mean payout [m], stretch of the cable [m], shapes (n,)
+    follows : in these ticks the drum compensates, shape (n,)
+    asked : since the fault
+    cable : nominal
+    """
+    period, count = _period(time), round(MINUTE / _period(time))
+    rate = np.clip(np.gradient(planned, period), -asked.speed, asked.speed)
+    steepest = MOVE.acceleration if asked.speed else 0.0
+    slope = np.clip(np.gradient(rate, period), -steepest, steepest)
+    wanted = 2.0 * cable.natural_a * np.abs(slope) + np.maximum(cable.b, cable.drag * np.abs(rate)) * np.abs(rate)
+    for start in np.flatnonzero(np.diff(follows.astype(int)) > 0) + 1:
+        wanted[start] = max(wanted[start], float(np.std(stretch[max(start - count, 0) : start])))
+    decay = math.exp(-period / ENVELOPE.travel_time)
+    found: Array = wanted
+    for place in range(1, found.size):
+        found[place] = max(decay * found[place - 1], found[place])
+    return found
+
+
+def envelope_ratio(
+    time: Array,
+    payout: Array,
+    planned: Array,
+    tip: Array,
+    asked: Asked,
+    begin: float,
+    lead: Array | float = 0.0,
+    cable: CableModel | None = None,
+) -> float:
     """Return the largest rate or travel of the drum from `begin` [s] on, over the bounds of the envelope.
 
     Parameters
@@ -218,6 +262,7 @@ def envelope_ratio(time: Array, payout: Array, planned: Array, tip: Array, asked
     planned : mean payout about which the controller works [m], shape (n,)
     asked : since then
     begin : of the fault [s]
+    lead : further travel that is allowed, see `lead_of` [m]; of a load on a nominal `cable`
 
     Bounds are those of `ENVELOPE`, by rate and heave of the boom tip as it was in the last minute. The travel is that
     about the asked motion, with a leak of a minute. How much of a move the drum has made is not known: anything from
@@ -232,12 +277,13 @@ def envelope_ratio(time: Array, payout: Array, planned: Array, tip: Array, asked
     at_once = _way(time, asked, begin)
     made = np.clip(ahead * (planned - planned[np.searchsorted(time, begin)]), 0.0, at_once)
     moves = np.clip(np.gradient([at_once, made], period, axis=1).max(axis=0), 0.0, asked.speed)
-    over = np.abs(rate) / (bounds.rate_factor * wider * speed + bounds.rate_margin + moves)
+    swing = lead / math.sqrt(cable.natural_a) if cable else 0.0
+    over = np.abs(rate) / (bounds.rate_factor * wider * speed + bounds.rate_margin + moves + swing)
     before = np.where(since, 0.0, np.gradient(planned, period))
     ways = (0.0 * time, at_once, made)
     moved = [leaky(rate - before - ahead * np.gradient(way, period), period, bounds.travel_time) for way in ways]
     out = np.maximum(np.maximum(np.min(moved, axis=0), -np.max(moved, axis=0)), 0.0)
-    travel = out / (bounds.travel_factor * wider * heave + bounds.travel_margin + asked.travel)
+    travel = out / (bounds.travel_factor * wider * heave + bounds.travel_margin + asked.travel + lead)
     return float(max(np.max(over[since]), np.max(travel[since])))
 
 

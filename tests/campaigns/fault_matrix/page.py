@@ -38,11 +38,11 @@ values as assumed or with one that differs. Generated from `docs/fault_matrix.js
 | --- | --- |
 | envelope | drum speed up to {ENVELOPE.rate_factor:g} times the boom tip's in a minute |
 | | + {ENVELOPE.rate_margin:g} m/s, travel {ENVELOPE.travel_factor:g} times its heave + {ENVELOPE.travel_margin:g} m; |
-| | in the first minute [as much more as the envelope allows](guide/controller/envelope.md#bounds) |
+| | in the first minute, at a start, in a move [as much more as it allows](guide/controller/envelope.md#bounds) |
 | travel | drum travel from fault to rest, beyond the requested move: |
 | | at most the heave of the last minute + {MARGIN:g} m |
 | unit | load motion from 10 s after the fault on: at most {LARGEST_UNIT:g} times that with the winch locked |
-| travel, otherwise | where the drum goes on: at most as far as in the same run without the fault |
+| travel, otherwise | at most as far as in the same run without the fault, if both end at rest or neither does |
 | unit, otherwise | at most {LARGEST_UNIT:g} times the same run without the fault, stopped at once where the drum was |
 | named | an alarm names the faulty part (of faults that have an effect) |
 | not blamed | no alarm names a healthy part |

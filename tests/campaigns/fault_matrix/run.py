@@ -18,6 +18,7 @@ from heave_bringup.closed_loop import LoopRecord
 from heave_node.interface.alarm import Alarm
 from heave_studies.promise.deviation import Chance
 from heave_studies.promise.run import DRUM, ENCODER, heave_of
+from winch_controller_node.model.blocks import CableModel
 
 from tests.campaigns.fault_matrix.cases import Cell
 from tests.campaigns.fault_matrix.faults import ALWAYS, CREEPING, FASTER, MOVING, RESTING
@@ -30,6 +31,7 @@ from tests.campaigns.fault_matrix.judge import (
     blamed,
     envelope_ratio,
     held_for,
+    lead_of,
     named_after,
     past_brake,
     path_of,
@@ -72,7 +74,7 @@ class Outcome:
     # motion of the unit over that of the locked one in the same run without a fault, with an emergency stop where the
     # drum was stopped at once; 0: not asked for
     stopped: float = 0.0
-    # travel in that run, over the same limit, where the drum goes on after the fault; 0: not asked for
+    # travel in that run, over the same limit, where the drum goes further and as long; 0: not asked for
     without: float = 0.0
     past_brake: float = 0.0  # largest way of the drum past a brake that alone may hold it: left out above [m]
     seconds: float = 0.0  # of processor time that it took
@@ -116,10 +118,12 @@ def _run_loop(cells: Sequence[Cell], after: float) -> Iterator[tuple[Cell, Outco
         failure = _words(error)
     for one in cells:
         found = Outcome(failure=failure) if failure else _forked(one, session, after)
-        goes_far = found.travel > 1.0 and math.isinf(found.rest)
+        goes_far = found.travel > 1.0
         if found.unit > LARGEST_UNIT or goes_far:
             other = _forked(one, session, after, stop=found.sudden)
-            found = replace(found, stopped=other.unit, without=other.travel if goes_far else 0.0)
+            # a drum that has come to rest is held against one that does as well
+            counts = goes_far and (math.isinf(found.rest) or math.isfinite(other.rest))
+            found = replace(found, stopped=other.unit, without=other.travel if counts else 0.0)
         yield one, found
 
 
@@ -155,6 +159,7 @@ def _branch(one: Cell, session: Session, after: float, stop: float | None) -> Ou
     try:
         session.go(one.offset)
         begin = session.time
+        nominal = session.loop.controller.design.cable
         if stop is None:
             session.wires.begin(one.fault)
         session.asked = session.asked.left(session.loop.controller.mean)
@@ -175,6 +180,7 @@ def _branch(one: Cell, session: Session, after: float, stop: float | None) -> Ou
         begin,
         cable.axial_stiffness,
         session.scenario.parameters["virtual_winch"].speed_limit,
+        nominal,
     )
     return replace(found, seconds=clock.process_time() - began)
 
@@ -193,6 +199,7 @@ def judged(
     begin: float,
     stiffness: float = math.inf,
     speed_limit: float = math.inf,
+    nominal: CableModel | None = None,
 ) -> Outcome:
     """Return what the `record` of a case came to.
 
@@ -205,6 +212,7 @@ def judged(
     begin : of the fault [s]
     stiffness : EA of the cable [N]
     speed_limit : of the drive [m/s]
+    nominal : cable by which the drum may lead the load; None: it does not
     """
     kind, time = one.fault.kind, record.column("time")
     payout, rate, tip = record.column("payout"), record.column("payout_rate"), record.column("boom_tip")
@@ -220,6 +228,10 @@ def judged(
     counts_otherwise = math.isinf(asked.distance) or bool({ENCODER, DRUM} & set(one.base.case.parts))
     stands = one.base.of.scenarios is LANDINGS
     modes = record.modes[int(np.argmax(since)) :]
+    planned, lead = record.column("depth_set_point"), 0.0 * time
+    if nominal is not None:
+        stretch, follows = record.column("top_tension") / nominal.stiffness, np.array(record.modes) == "compensating"
+        lead = lead_of(time, planned, stretch, follows, asked, nominal)
     return Outcome(
         named=named_after(alarms, kind.parts, begin),
         is_visible={
@@ -231,7 +243,7 @@ def judged(
         }.get(kind.shows),
         rest=rest,
         travel=travel_ratio(time, payout, tip, asked, begin, begin + rest),
-        envelope=envelope_ratio(time, payout, record.column("depth_set_point"), tip, asked, begin),
+        envelope=envelope_ratio(time, payout, planned, tip, asked, begin, lead, nominal),
         unit=math.nan
         if stands
         else unit_ratio(
