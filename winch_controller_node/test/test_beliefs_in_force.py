@@ -198,27 +198,6 @@ def test_an_answer_that_is_due_and_comes_after_the_controller_has_settled_is_act
     assert controller.parameters.winch.speed_gain == 0.8
 
 
-@pytest.mark.parametrize(
-    ("change", "moves"), [("encoder", False), ("scale of the MRU", True), ("inertia of the cable", True)]
-)
-def test_the_unit_below_a_locked_drum_is_elsewhere_with_another_boom_tip_or_cable_and_not_with_another_drum(
-    change, moves
-):
-    """A scale of the encoder that was set aside moved it by 0.9 m: a fade-out then left the load in that swing."""
-    controller = made()
-    stepped(controller, 1, 10)
-    given = answer(10, number=1, **CHANGES[change])
-    estimate = given.adopted.estimate.copy()
-    estimate[(given.design or controller.design).model.state("unit_heave")] = 0.3
-    given = dataclasses.replace(given, adopted=given.adopted._replace(estimate=estimate))
-    controller.take(given)
-    stepped(controller, 11, 10 + AFTER)
-    motions = controller._estimation.tick
-    assert abs(motions.unit) > 0.1
-    assert motions.hanging_heave == pytest.approx(motions.unit, abs=1e-3)
-    assert motions.free == pytest.approx(motions.unit if moves else 0.0, abs=1e-3)
-
-
 def test_an_estimate_that_is_adopted_is_followed_up_to_now():
     """Nothing is read and nothing ordered: a state of 20 ticks ago is now A^20 of it."""
     controller = made()

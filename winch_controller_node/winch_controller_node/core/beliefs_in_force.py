@@ -75,9 +75,6 @@ DROPPED = -1
 CONTRADICTED = 12.0
 """Evidence for nominal values against the active beliefs at which these are dropped [nats]."""
 
-DRUM = {"encoder", "winch", "sea"}
-"""Owners of which a correction moves the drum alone: the boom tip, and the cable, are as they were."""
-
 OWN = "encoder"
 """Sensor that a reflex of the core alone sets aside and uses again: what the adviser says of that is an echo."""
 
@@ -200,8 +197,7 @@ class BeliefsInForce:
         |---|---|---|
         | limits, gain of the winch | stays | drum watch |
         | lag, delay, sea | carried over | drum watch (winch) |
-        | sensor, cable | the adviser's, followed up to now | consistency, guard's comparison, locked unit |
-        | encoder | the same | consistency, guard's comparison: the locked unit stays |
+        | sensor, cable | the adviser's, followed up to now | consistency, guard's comparison |
         | MRU | the same | besides: what was seen of the sea |
         """
         before, self.beliefs = self.beliefs, beliefs
@@ -229,8 +225,7 @@ class BeliefsInForce:
         if beliefs.design is None:
             estimation.take_limits(self._in_force.design)
         if beliefs.adopted is not None:
-            matrix = None if carried is None else carried[0]
-            estimation.adopt(self._in_force.design, matrix, beliefs.adopted, tick - 1, moves_drum=changed <= DRUM)
+            estimation.adopt(self._in_force.design, None if carried is None else carried[0], beliefs.adopted, tick - 1)
         elif carried is not None:
             estimation.carry(self._in_force.design, *carried)
         if "winch" in changed:

@@ -152,9 +152,7 @@ class LoopEstimation:
         self.observer.reset_shares()
         self._refer_to(design)
 
-    def adopt(
-        self, design: ControllerDesign, matrix: Array | None, adopted: Adopted, tick: int, *, moves_drum: bool
-    ) -> None:
+    def adopt(self, design: ControllerDesign, matrix: Array | None, adopted: Adopted, tick: int) -> None:
         """Go on after `tick` with the adviser's estimate of some time ago, followed up to now.
 
         Parameters
@@ -163,7 +161,6 @@ class LoopEstimation:
         matrix : its states are this, shape (n_new, n), times the present ones; None: they are the same
         adopted : the adviser's
         tick : the last one
-        moves_drum : it is the drum that was elsewhere
         """
         streams = self.estimator.streams
         self.estimator = design.make_estimator()
@@ -182,8 +179,8 @@ class LoopEstimation:
             self.observer.reset_shares()
         self._restart_consistency()
         self._refer_to(design)
-        # a boom tip that was another one moves a unit that no winch moves as well, and a drum does not
-        (self._look.continue_hanging if moves_drum else self._look.take_unit)(*self._unit)
+        # the boom tip was another one, and so is what it does to a unit that no winch moves
+        self._look.take_unit(*self._unit)
 
     def begin_second(self, nominal: ControllerDesign, tick: int) -> None:
         """Run the filter of the `nominal` design beside from after `tick` on: the active one goes by beliefs."""
