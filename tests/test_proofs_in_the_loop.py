@@ -78,6 +78,23 @@ def test_the_proof_comes_within_the_time_in_which_compensation_waits_anyway(scen
     assert Run(scenario).go(begins + 1.0).begins() == pytest.approx(begins, abs=0.5 * TICK)
 
 
+@pytest.mark.parametrize(
+    ("scenario", "seed", "stiffness", "begins"),
+    [
+        ("b3_deep_900", 94432, 27.3e6, 35.0),  # slope 2.05 of the load cell, and 87 s
+        ("b10_real_mru_swell", 98276, 9.26e6, None),  # 0.46
+        ("unit_1500", 125790, None, 22.0),  # 5.96 at 9 s, when the heave was 6 mm rms
+    ],
+    ids=["stiff", "soft", "nominal"],
+)
+def test_a_sound_mru_is_not_refuted_by_another_cable_or_before_anything_moves(scenario, seed, stiffness, begins):
+    """A cable of 0.6 times the stiffness is not proved either: an operator is asked after a minute."""
+    settings = [f"cable_sim.cable.axial_stiffness={stiffness}"] if stiffness else []
+    run = Run(scenario, *settings, seed=seed).go(begins or 50.0)
+    assert "MRU_UNPROVED: scale" not in run.codes()
+    assert (run.begins() is None) is (begins is None)
+
+
 @pytest.mark.parametrize("settings", [REVERSED, REVERSED + NO_DEPTH], ids=["depth", "load cell alone"])
 def test_a_reversed_mru_never_moves_the_load_whatever_an_operator_consents_to(settings):
     run = Run("b2_calm_300", *settings, "winch_controller.entry.accept_unproved=true").go(75.0)

@@ -56,6 +56,7 @@ PROOF_DESIGN = structure(
     Row("alike", "", "correlation that a proof needs"),
     Row("least_scale", "", "least slope that proves an MRU"),
     Row("most_scale", "", "largest slope that does"),
+    Row("softness", "", "plausible ones of the cable, over the nominal one", shape=(5,)),
     Row("refuted", "", "standard errors by which a slope lies outside of that where it says something"),
     Row("blend", "s", "time for which the MRU has read before its motion is known"),
     Row("unread", "s", "age of a reading from which on the motion is not known"),

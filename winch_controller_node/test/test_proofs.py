@@ -1,6 +1,7 @@
 """Proofs by nominal values and raw readings: twins by NumPy and SciPy, and a load that is moved as it should not be."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -55,15 +56,15 @@ def made(parameters=None, cable=CABLE):
     return Proofs(parameters or WinchControllerParameters(length=900.0), cable, TICK)
 
 
-def braked(proofs, seconds, scale=1.0, *, tension=1.0, depth=1.0, seed=1, noise=100.0, swing=0.0):
+def braked(proofs, seconds, scale=1.0, *, cable=CABLE, tension=1.0, depth=1.0, seed=1, noise=100.0, swing=0.0):
     """Lead a load under a locked drum past the proofs; the sensors' signs and scales are as given, None: not there."""
     rng, begun = np.random.default_rng(seed), float(proofs.state["load"]["time"][0])
     begun = begun + TICK if math.isfinite(begun) else 0.0
-    for k, (time, tip, forced) in enumerate(zip(*truth(seconds), strict=True)):
+    for k, (time, tip, forced) in enumerate(zip(*truth(seconds, cable), strict=True)):
         now, unit = begun + time, forced - swing * math.cos(time / math.sqrt(CABLE.a))
         scalar = {}
         if tension is not None:
-            force = 98.6e3 + tension * 17.5e3 * (tip - unit) + noise * rng.normal()
+            force = 98.6e3 + tension * cable.stiffness * (tip - unit) + noise * rng.normal()
             scalar["load_cell"] = (ScalarReading(now, force),)
         if depth is not None and k % 2 == 0:
             scalar["depth"] = (ScalarReading(now, 900.0 - depth * unit + 0.02 * rng.normal()),)
@@ -75,10 +76,10 @@ def braked(proofs, seconds, scale=1.0, *, tension=1.0, depth=1.0, seed=1, noise=
 
 
 def low_passed(values):
-    """Return `values` through the low-pass of both sides of a comparison, from the first on."""
+    """Return `values` through the low-pass of both sides of a comparison: of the first ones it is the mean."""
     found, kept = [values[0]], math.exp(-TICK / 0.25)
-    for value in values[1:]:
-        found.append(value + kept * (found[-1] - value))
+    for count, value in enumerate(values[1:], start=1):
+        found.append(value + min(kept, count / (count + 1)) * (found[-1] - value))
     return np.array(found)
 
 
@@ -193,11 +194,14 @@ def test_one_stamp_that_cannot_be_does_not_end_the_proof():
 
 # the proof of the MRU
 
+STANDINGS = {1.0: Standing.PROVED, -1.0: Standing.REVERSED, **dict.fromkeys((0.3, 0.5, 2.0), Standing.SCALED)}
+"""What is known of an MRU that reads so many times the motion."""
+
 
 @pytest.mark.parametrize(("tension", "depth"), [(1.0, 1.0), (1.0, None), (None, 1.0)])
 @pytest.mark.parametrize("seed", range(3))
 def test_a_sound_mru_is_proved_and_a_reversed_one_is_named_by_either_witness(tension, depth, seed):
-    for scale, standing in ((1.0, Standing.PROVED), (-1.0, Standing.REVERSED), (0.3, Standing.SCALED)):
+    for scale, standing in STANDINGS.items():
         proof = made()
         braked(proof, 25.0, scale, tension=tension, depth=depth, seed=seed)
         assert proof.standing is standing
@@ -257,6 +261,40 @@ def test_what_was_certain_is_not_forgotten_for_a_record_that_says_nothing_and_is
     proof.step(NOTHING, stands)
     braked(proof, 25.0, -1.0)
     assert proof.standing is Standing.REVERSED
+
+
+def other(stiffness=1.0, mass=1.0):
+    """Return the cable of a rope and a load other than nominal."""
+    return replace(CABLE, a=CABLE.a * mass / stiffness, b=CABLE.b / stiffness, stiffness=CABLE.stiffness * stiffness)
+
+
+@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("cable", [other(0.5), other(1.8), other(mass=0.5)], ids=["soft", "stiff", "light"])
+def test_an_mru_is_not_refuted_by_a_load_or_a_cable_other_than_nominal(cable, seed):
+    """Slopes of 0.5 to 2.6; load cell and depth sensor together are the boom tip by a plausible stiffness."""
+    proof = made()
+    braked(proof, 40.0, cable=cable, seed=seed)
+    assert proof.standing in {Standing.OPEN, Standing.PROVED}
+    proof = made()
+    braked(proof, 40.0, -1.0, cable=cable, seed=seed)
+    assert proof.standing is Standing.REVERSED
+
+
+def test_both_witnesses_prove_together_what_hangs_on_a_nominal_cable():
+    proof = made()
+    braked(proof, 25.0, cable=other(mass=0.5))
+    assert (proof.standing, proof.witness) == (Standing.PROVED, "load cell with depth sensor")
+    assert proof.fit.scale == pytest.approx(1.0, rel=0.05)
+
+
+def test_a_depth_sensor_that_reads_no_motion_keeps_no_reversed_mru_open():
+    """It may wait for a clearer record, for three windows."""
+    proof = made()
+    braked(proof, 75.0, -1.0, depth=0.0)
+    assert proof.standing is Standing.REVERSED
+    proof = made()
+    braked(proof, 75.0, 2.0, depth=0.0)
+    assert proof.standing is not Standing.PROVED
 
 
 # the count

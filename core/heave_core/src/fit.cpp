@@ -8,8 +8,9 @@ namespace {
 
 constexpr double ROUNDING = 1e-12;  // a share that is no motion
 
-double low_passed(const ProofDesign &design, double since, double before, double value) {
-    return value + std::exp(-since / design.low_pass) * (before - value);
+// The mean of the first `count` until its memory is full: the first sample alone would stand out by its noise.
+double low_passed(const ProofDesign &design, double since, int count, double before, double value) {
+    return count ? value + std::min(std::exp(-since / design.low_pass), count / (count + 1.0)) * (before - value) : value;
 }
 
 // Place in a ring of `size` of one of the `count` that it holds, 0 the oldest.
@@ -17,8 +18,9 @@ int place(int next, int count, int size, int index) { return (next - count + ind
 
 int newest(const WitnessRecord &record, int size) { return place(record.next, 1, size, 0); }
 
-// Samples of a witness at the times of what is expected, interpolated, and held beyond their ends.
-void interpolate(const ProofDesign &design, const Expected &expected, const WitnessRecord &read, double *values) {
+// Adds `weight` of the samples of a witness at the times of what is expected, interpolated, and held beyond their ends.
+void interpolate(const ProofDesign &design, const Expected &expected, const WitnessRecord &read, double weight,
+                 double *values) {
     const int size = 2 * design.kept, count = expected.count;
     const auto at = [&](int index) { return place(read.next, read.count, size, index); };
     for (int i = 0, before = 0; i < count; i++) {
@@ -26,7 +28,7 @@ void interpolate(const ProofDesign &design, const Expected &expected, const Witn
         while (before + 2 < read.count && read.times[at(before + 1)] <= time) before++;
         const int here = at(before), next = at(before + 1);
         const double share = clip((time - read.times[here]) / (read.times[next] - read.times[here]), 0.0, 1.0);
-        values[i] = read.values[here] + share * (read.values[next] - read.values[here]);
+        values[i] += weight * (read.values[here] + share * (read.values[next] - read.values[here]));
     }
 }
 
@@ -41,6 +43,8 @@ double normalise(int count, double smallest, double *values) {
     for (int i = 0; i < count; i++) values[i] = size > smallest ? values[i] / size : 0.0;
     return size > smallest ? size : 0.0;
 }
+
+}  // namespace
 
 // Offset, trend and free swing, made orthonormal; columns that say nothing new are 0.
 void lay_beside(const ProofDesign &design, int count, ProofWork &work) {
@@ -59,15 +63,13 @@ void lay_beside(const ProofDesign &design, int count, ProofWork &work) {
     }
 }
 
-}  // namespace
-
 // Takes in a sample of a witness: a number, later than the last one.
 void add(const ProofDesign &design, WitnessRecord &record, double time, double value) {
     const int size = 2 * design.kept, last = newest(record, size);
     const double since = record.count ? time - record.times[last] : INFINITE;
     if (!(std::isfinite(time + value) && since > 0.0)) return;
     record.times[record.next] = time;
-    record.values[record.next] = low_passed(design, since, record.count ? record.values[last] : value, value);
+    record.values[record.next] = low_passed(design, since, record.count, record.values[last], value);
     record.next = (record.next + 1) % size;
     record.count = std::min(record.count + 1, size);
 }
@@ -79,7 +81,7 @@ bool add(const ProofDesign &design, Expected &expected, double time, double heav
     if (!(std::isfinite(time + values[0]) && since > 0.0)) return false;
     for (int witness = 0; witness < WITNESSES; witness++) {
         double *held = expected.values[witness];
-        held[expected.next] = low_passed(design, since, expected.count ? held[last] : values[witness], values[witness]);
+        held[expected.next] = low_passed(design, since, expected.count, held[last], values[witness]);
     }
     expected.times[expected.next] = time;
     expected.heaves[expected.next] = heave;
@@ -106,18 +108,24 @@ bool reaches(const ProofDesign &design, const Expected &expected, const WitnessR
            read.times[newest(read, size)] >= last - design.unread;
 }
 
-// Fit of what a witness has read on what it should have, beside an offset, a trend and a free swing. The standard error is
-// that of n (1 - r)/(1 + r) independent samples, r the residual's correlation from one sample to the next (Bayley and
-// Hammersley 1946, for a first-order process).
-Fit fitted(const ProofDesign &design, const Expected &expected, int witness, const WitnessRecord &read, ProofWork &work) {
-    const int n = expected.count;
+// Fit of what witnesses have read on what they should have, each in the sum of its weights, beside as many of offset, trend
+// and the two phases of a free swing. The standard error is that of n (1 - r)/(1 + r) independent samples, r the residual's
+// correlation from one sample to the next (Bayley and Hammersley 1946, for a first-order process), less what was fitted.
+Fit fitted(const ProofDesign &design, const ProofState &state, const Sum &expected, const Sum &read, int beside,
+           ProofWork &work) {
+    const int n = state.expected.count;
     double *x = work.expected, *y = work.read;
-    for (int i = 0; i < n; i++) x[i] = expected.values[witness][place(expected.next, n, design.kept, i)];
-    interpolate(design, expected, read, y);
+    std::fill_n(x, n, 0.0);
+    std::fill_n(y, n, 0.0);
+    for (int witness = 0; witness < WITNESSES; witness++) {
+        if (expected[witness] == 0.0) continue;
+        const double *values = state.expected.values[witness];
+        for (int i = 0; i < n; i++) x[i] += expected[witness] * values[place(state.expected.next, n, design.kept, i)];
+        interpolate(design, state.expected, state.read[witness], read[witness], y);
+    }
     const double smallest_x = ROUNDING * std::sqrt(dot(n, x, x)), smallest_y = ROUNDING * std::sqrt(dot(n, y, y));
-    lay_beside(design, n, work);
-    take_out(n, work.beside, BESIDE, x);
-    take_out(n, work.beside, BESIDE, y);
+    take_out(n, work.beside, beside, x);
+    take_out(n, work.beside, beside, y);
     const double x_size = normalise(n, smallest_x, x), y_size = normalise(n, smallest_y, y);
     if (x_size == 0.0 || y_size == 0.0) return {0.0, 0.0, 0.0};
     const double correlation = dot(n, x, y), scale = correlation * y_size / x_size;
@@ -125,7 +133,7 @@ Fit fitted(const ProofDesign &design, const Expected &expected, int witness, con
     const double squares = dot(n, y, y);
     if (squares <= 1e-18) return {scale, std::copysign(1.0, correlation), std::copysign(INFINITE, correlation)};
     const double memory = std::max(dot(n - 1, y + 1, y) / squares, 0.0);
-    const double independent = n * (1.0 - memory) / (1.0 + memory);
+    const double independent = n * (1.0 - memory) / (1.0 + memory) - beside - 1.0;
     return {scale, correlation, correlation / std::sqrt(squares / std::max(independent, 1.0))};
 }
 

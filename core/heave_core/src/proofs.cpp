@@ -10,6 +10,8 @@ namespace heave {
 
 namespace {
 
+constexpr int OFFSET_AND_TREND = 2;  // of what is beside the motion
+
 void begin_record(const ProofDesign &design, ProofState &state) {
     if (state.expected.count + state.read[0].count + state.read[1].count == 0) return;
     state.expected.next = state.expected.count = 0;
@@ -32,18 +34,41 @@ bool refutes(const ProofDesign &design, const Fit &fit) {
     return is_sure(design, fit) && (fit.scale + error < design.least_scale || fit.scale - error > design.most_scale);
 }
 
-// Judges the record: a witness that proves the MRU outweighs one that is wired the other way. A result is not reset by a
-// record without one.
+// Fit of load cell and depth sensor together: tension over stiffness and heave of the load are the boom tip's, whatever hangs
+// on the cable and however it swings. Returns that of the plausible cable that fits best; `nominal` becomes the nominal one's.
+Fit fitted_tip(const ProofDesign &design, const ProofState &state, Fit &nominal, ProofWork &work) {
+    Fit best{0.0, 0.0, 0.0};
+    for (const double softness : design.softness) {
+        const Sum expected = {1.0 / design.stiffness, 1.0}, read = {softness / design.stiffness, 1.0};
+        const Fit fit = fitted(design, state, expected, read, OFFSET_AND_TREND, work);
+        if (softness == 1.0) nominal = fit;
+        if (std::abs(fit.correlation) > std::abs(best.correlation)) best = fit;
+    }
+    return best;
+}
+
+// Judges the record: a witness that proves the MRU outweighs one that is wired the other way. One that refutes it by the
+// nominal load may see another load or cable: both together must agree, unless they have not settled it for long. A result is
+// not reset by a record without one.
 void look(const ProofDesign &design, ProofState &state, ProofWork &work) {
-    Fit fits[WITNESSES];
-    bool has_fit[WITNESSES] = {};
-    int proved = -1, refuted = -1, surest = -1;
+    Fit fits[WITNESSES + 1] = {};
+    int proved = -1, refuted = -1, surest = -1, read = 0;
+    lay_beside(design, state.expected.count, work);
     for (int i = WITNESSES - 1; i >= 0; i--) {
-        if (!(has_fit[i] = reaches(design, state.expected, state.read[i]))) continue;
-        fits[i] = fitted(design, state.expected, i, state.read[i], work);
+        if (!reaches(design, state.expected, state.read[i])) continue;
+        const Sum alone = {i == 0 ? 1.0 : 0.0, i == 1 ? 1.0 : 0.0};
+        fits[i] = fitted(design, state, alone, alone, BESIDE, work);
         if (proves(design, fits[i])) proved = i;
         if (refutes(design, fits[i])) refuted = i;
         if (surest < 0 || std::abs(fits[i].certainty) >= std::abs(fits[surest].certainty)) surest = i;
+        read++;
+    }
+    if (proved < 0 && read == WITNESSES) {
+        const bool has_depth = std::abs(fits[1].correlation) > design.alike;  // a frozen one reads as a softer cable does
+        const bool is_late = state.waited > design.patience && state.standing != MRU_PROVED;
+        const Fit tip = fitted_tip(design, state, fits[WITNESSES], work);
+        if (has_depth && proves(design, fits[WITNESSES])) proved = WITNESSES;
+        else if (is_late ? has_depth && proves(design, tip) : !refutes(design, tip)) refuted = -1;
     }
     int standing = MRU_OPEN;
     if (proved >= 0) standing = MRU_PROVED;

@@ -15,7 +15,10 @@ void add(const ProofDesign &design, WitnessRecord &record, double time, double v
 bool add(const ProofDesign &design, Expected &expected, double time, double heave, const double *values);
 double spread_of_heave(const ProofDesign &design, const Expected &expected);
 bool reaches(const ProofDesign &design, const Expected &expected, const WitnessRecord &read);
-Fit fitted(const ProofDesign &design, const Expected &expected, int witness, const WitnessRecord &read, ProofWork &work);
+void lay_beside(const ProofDesign &design, int count, ProofWork &work);
+using Sum = double[WITNESSES];  // weights of the witnesses in a sum
+Fit fitted(const ProofDesign &design, const ProofState &state, const Sum &expected, const Sum &read, int beside,
+           ProofWork &work);
 
 // What the proofs see of a tick, beside its readings.
 struct ProofSeen {

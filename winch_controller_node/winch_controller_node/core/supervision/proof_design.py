@@ -44,6 +44,7 @@ PROOFS = {
     "alike": 0.6,
     "least_scale": 0.6,  # neither reversed nor twice: a load cell on a short cable says no more than that
     "most_scale": 1.4,
+    "softness": (0.5, 0.7, 1.0, 1.4, 2.0),  # a rope half or twice as stiff as its sheet says
     "refuted": 3.0,
     "blend": BLEND,
     "unread": UNREAD,

@@ -27,7 +27,7 @@ from winch_controller_node.interface.readings import WinchReading
 from winch_controller_node.model.blocks import CableModel
 from winch_controller_node.node_parameters import WinchControllerParameters
 
-WITNESSES = ("load cell", "depth sensor", "")
+WITNESSES = ("load cell", "depth sensor", "load cell with depth sensor", "")
 """Sensors that the MRU is compared with, by their number in the core; -1: none."""
 
 
