@@ -110,7 +110,7 @@ bool reaches(const ProofDesign &design, const Expected &expected, const WitnessR
 
 // Fit of what witnesses have read on what they should have, each in the sum of its weights, beside as many of offset, trend
 // and the two phases of a free swing. The standard error is that of n (1 - r)/(1 + r) independent samples, r the residual's
-// correlation from one sample to the next (Bayley and Hammersley 1946, for a first-order process), less what was fitted.
+// correlation from one sample to the next (Bayley and Hammersley 1946, for a first-order process).
 Fit fitted(const ProofDesign &design, const ProofState &state, const Sum &expected, const Sum &read, int beside,
            ProofWork &work) {
     const int n = state.expected.count;
@@ -127,14 +127,15 @@ Fit fitted(const ProofDesign &design, const ProofState &state, const Sum &expect
     take_out(n, work.beside, beside, x);
     take_out(n, work.beside, beside, y);
     const double x_size = normalise(n, smallest_x, x), y_size = normalise(n, smallest_y, y);
-    if (x_size == 0.0 || y_size == 0.0) return {0.0, 0.0, 0.0};
+    if (x_size == 0.0 || y_size == 0.0) return {0.0, 0.0, 0.0, 0.0};
     const double correlation = dot(n, x, y), scale = correlation * y_size / x_size;
     add(n, -correlation, x, y);
     const double squares = dot(n, y, y);
-    if (squares <= 1e-18) return {scale, std::copysign(1.0, correlation), std::copysign(INFINITE, correlation)};
+    if (squares <= 1e-18) return {scale, std::copysign(1.0, correlation), std::copysign(INFINITE, correlation), 1.0};
     const double memory = std::max(dot(n - 1, y + 1, y) / squares, 0.0);
-    const double independent = n * (1.0 - memory) / (1.0 + memory) - beside - 1.0;
-    return {scale, correlation, correlation / std::sqrt(squares / std::max(independent, 1.0))};
+    const double independent = std::max(n * (1.0 - memory) / (1.0 + memory), 1.0);
+    const double left = std::max(independent - beside - 1.0, 1.0) / independent;
+    return {scale, correlation, correlation / std::sqrt(squares / independent), left};
 }
 
 }  // namespace heave

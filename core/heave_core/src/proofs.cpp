@@ -19,25 +19,26 @@ void begin_record(const ProofDesign &design, ProofState &state) {
     state.next_look = design.shortest;
 }
 
-bool is_sure(const ProofDesign &design, const Fit &fit) {
-    return std::abs(fit.certainty) > design.certain && std::abs(fit.correlation) > design.alike;
+bool is_sure(const ProofDesign &design, const Fit &fit, double certainty) {
+    return std::abs(certainty) > design.certain && std::abs(fit.correlation) > design.alike;
 }
 
 // Both signals are the same motion.
 bool proves(const ProofDesign &design, const Fit &fit) {
-    return is_sure(design, fit) && design.least_scale < fit.scale && fit.scale < design.most_scale;
+    return is_sure(design, fit, fit.certainty) && design.least_scale < fit.scale && fit.scale < design.most_scale;
 }
 
-// They are not, and not by chance: the slope is outside, and so is all that it may be.
+// They are not, and not by chance, nor by what was fitted to few waves: the slope is outside, and so is all that it may be.
 bool refutes(const ProofDesign &design, const Fit &fit) {
-    const double error = fit.certainty != 0.0 ? design.refuted * std::abs(fit.scale / fit.certainty) : INFINITE;
-    return is_sure(design, fit) && (fit.scale + error < design.least_scale || fit.scale - error > design.most_scale);
+    const double certainty = std::sqrt(fit.left) * fit.certainty;
+    const double error = certainty != 0.0 ? design.refuted * std::abs(fit.scale / certainty) : INFINITE;
+    return is_sure(design, fit, certainty) && (fit.scale + error < design.least_scale || fit.scale - error > design.most_scale);
 }
 
 // Fit of load cell and depth sensor together: tension over stiffness and heave of the load are the boom tip's, whatever hangs
 // on the cable and however it swings. Returns that of the plausible cable that fits best; `nominal` becomes the nominal one's.
 Fit fitted_tip(const ProofDesign &design, const ProofState &state, Fit &nominal, ProofWork &work) {
-    Fit best{0.0, 0.0, 0.0};
+    Fit best{0.0, 0.0, 0.0, 0.0};
     for (const double softness : design.softness) {
         const Sum expected = {1.0 / design.stiffness, 1.0}, read = {softness / design.stiffness, 1.0};
         const Fit fit = fitted(design, state, expected, read, OFFSET_AND_TREND, work);
@@ -80,7 +81,7 @@ void look(const ProofDesign &design, ProofState &state, ProofWork &work) {
     }
     state.standing = standing;
     state.witness = proved >= 0 ? proved : refuted >= 0 ? refuted : surest;
-    const Fit fit = state.witness >= 0 ? fits[state.witness] : Fit{0.0, 0.0, 0.0};
+    const Fit fit = state.witness >= 0 ? fits[state.witness] : Fit{};
     state.scale = fit.scale;
     state.correlation = fit.correlation;
     state.certainty = fit.certainty;

@@ -7,7 +7,7 @@ namespace heave {
 
 // One signal on another: slope of the least squares, correlation of what is left of both, slope over its standard error.
 struct Fit {
-    double scale, correlation, certainty;
+    double scale, correlation, certainty, left;  // left: share of the independent samples that were not needed for the fit
 };
 
 // fit.cpp: what a witness has read, and how it fits what it should have
