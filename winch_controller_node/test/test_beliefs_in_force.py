@@ -86,6 +86,19 @@ def test_an_answer_that_comes_late_is_refused_and_counted():
     assert controller.parameters.winch.speed_gain == 0.8
 
 
+def test_what_an_answer_found_that_came_late_is_told_with_the_next_one_once():
+    """Its value is in each later answer, so that it was used; that it was found stood in the late one alone."""
+    controller, asked = made(), 10
+    finding = Finding("differs", "winch.speed_gain", 0.8, "", 1.0)
+    stepped(controller, 1, asked + AFTER)
+    assert not controller.take(answer(asked, {"winch.speed_gain": 0.8}, findings=(finding,)))
+    for number, told in ((2, 1), (3, 0)):
+        asked += AFTER
+        assert controller.take(answer(asked, {"winch.speed_gain": 0.8}, number=number))
+        alarms = stepped(controller, asked + 1, asked + AFTER)
+        assert [alarm.name for alarm in alarms].count("WINCH_MODEL_UPDATED") == told
+
+
 def test_an_answer_that_tells_nothing_new_changes_nothing_and_findings_are_told_once():
     controller = made()
     finding = Finding("differs", "winch.speed_gain", 0.8, "", 1.0)

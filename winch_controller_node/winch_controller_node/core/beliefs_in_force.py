@@ -96,6 +96,7 @@ class BeliefsInForce:
         self._pending: Beliefs | None = None
         self._followed = -1  # tick before which what was due was activated last
         self.refused = 0  # answers that came too late, so far
+        self._unsaid: tuple[Finding, ...] = ()  # what they found: values are in each later answer, findings in one alone
         self.trust = AdviserTrust(in_force.design.tick_period)  # whether the answers of the adviser are used
         self._plain: ControllerDesign | None = self._in_force.design
         # owners whose assumed values have changed in this tick: winch, cable, a sensor
@@ -107,6 +108,7 @@ class BeliefsInForce:
         """Take `beliefs`, active LATENCY after they were asked for; return whether in time for `next_tick`."""
         if beliefs.asked + self._latency < next_tick:
             self.refused += 1
+            self._unsaid += beliefs.findings
             return False
         if not self.trust.accepts(next_tick):
             return True
@@ -150,11 +152,11 @@ class BeliefsInForce:
         pending, news = self._pending, self.trust.news()
         if pending is None or pending.asked + self._latency > tick:
             return news
-        self._pending = None
+        found, self._pending, self._unsaid = self._unsaid, None, ()
         was = self.beliefs.excluded
         if pending.number != self.beliefs.number:
             self._take(pending, tick)
-        return [*news, *alarms_of(_findings_of(pending, was))]
+        return [*news, *alarms_of((*found, *_findings_of(pending, was)))]
 
     def _run_second(self, tick: int) -> None:
         """Run a filter with nominal values beside the active one from a `tick` on, while that has others."""
