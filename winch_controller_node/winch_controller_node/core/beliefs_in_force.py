@@ -96,7 +96,7 @@ class BeliefsInForce:
         self._pending: Beliefs | None = None
         self._followed = -1  # tick before which what was due was activated last
         self.refused = 0  # answers that came too late, so far
-        self._unsaid: tuple[Finding, ...] = ()  # what they found: values are in each later answer, findings in one alone
+        self._unsaid: tuple[Finding, ...] = ()  # what they found: later answers have its value, not the finding
         self.trust = AdviserTrust(in_force.design.tick_period)  # whether the answers of the adviser are used
         self._plain: ControllerDesign | None = self._in_force.design
         # owners whose assumed values have changed in this tick: winch, cable, a sensor
