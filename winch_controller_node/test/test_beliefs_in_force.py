@@ -99,6 +99,17 @@ def test_what_an_answer_found_that_came_late_is_told_with_the_next_one_once():
         assert [alarm.name for alarm in alarms].count("WINCH_MODEL_UPDATED") == told
 
 
+def test_what_a_late_answer_found_is_not_told_once_the_adviser_is_contradicted():
+    controller, asked = made(), 10
+    assert controller.take(answer(0, {"winch.speed_gain": 0.9}))
+    stepped(controller, 1, asked + AFTER)
+    late = answer(asked, {"winch.speed_gain": 0.8}, findings=(Finding("differs", "winch.speed_gain", 0.8, "", 1.0),))
+    assert not controller.take(late)
+    assert controller.take(answer(asked + AFTER, {"winch.speed_gain": -1.0}, number=2))
+    alarms = stepped(controller, asked + AFTER + 1, asked + 3 * AFTER)
+    assert [alarm.name for alarm in alarms] == ["ADVISER_WRONG: set aside"]
+
+
 def test_an_answer_that_tells_nothing_new_changes_nothing_and_findings_are_told_once():
     controller = made()
     finding = Finding("differs", "winch.speed_gain", 0.8, "", 1.0)

@@ -108,7 +108,7 @@ class BeliefsInForce:
         """Take `beliefs`, active LATENCY after they were asked for; return whether in time for `next_tick`."""
         if beliefs.asked + self._latency < next_tick:
             self.refused += 1
-            self._unsaid += beliefs.findings
+            self._unsaid += beliefs.findings if self.trust.accepts(next_tick) else ()
             return False
         if not self.trust.accepts(next_tick):
             return True
@@ -136,7 +136,7 @@ class BeliefsInForce:
     def _drop(self, fault: str, next_tick: int, adopted: Adopted | None = None) -> None:
         """Go on with all nominal from the `next_tick`, at a state to be `adopted`, for a `fault` in words."""
         self.trust.contradict(fault, next_tick)
-        self._pending = None
+        self._pending, self._unsaid = None, ()
         if self.beliefs.number > 0 or self.beliefs.values:
             encoder = None if self.beliefs.encoder is None else EncoderScale(next_tick)
             plain = self._plain_design()
@@ -167,7 +167,7 @@ class BeliefsInForce:
 
     def renew(self, nominal: WinchControllerParameters) -> None:
         """Go by other `nominal` parameters; beliefs about the sea are void."""
-        self.nominal, self._pending = nominal, None
+        self.nominal, self._pending, self._unsaid = nominal, None, ()
         self.restated = restated(self._first, nominal)
         self.beliefs = without_sea(self.beliefs)
         self.trust.restart()
