@@ -53,7 +53,9 @@ def named(structure: Structure) -> Any:
 
 def _prefixes() -> Iterator[Path]:
     """Yield where a library may be installed: with this Python, or in a sourced workspace."""
-    yield from map(Path, filter(None, os.environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep)))
+    for prefix in os.environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep):
+        if prefix:
+            yield Path(prefix)
     yield Path(sys.prefix)
 
 

@@ -13,6 +13,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+import scipy.special  # noqa: F401  # `spectral_estimate` would load it at the first estimate, within a tick
 from heave_node.interface.codes import MruStatus
 from heave_node.interface.sensors import MruReading
 from heave_node.numerics.arrays import Array
@@ -89,14 +90,6 @@ class SeaStateEstimator:
         self._vessel = vessel_response(self._omega)
         self._noise_density = noise**2 * sample_period / math.pi
         self._segment_length = count * sample_period
-        self._load_libraries()
-
-    def _load_libraries(self) -> None:
-        """Make an estimate of any record: the first one loads what it needs, for tens of milliseconds of a tick."""
-        if self._sees_waves:
-            self._periodograms.extend(_MINIMUM_SEGMENTS * [1.0 + self._noise_density + self._omega])
-            self.estimate()
-            self._periodograms.clear()
 
     def add(self, reading: MruReading) -> None:
         """Take one reading; those that are not OK are left out, short gaps are bridged, a long one starts a new
