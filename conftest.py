@@ -33,8 +33,8 @@ CLONE_NEWNS, MS_REC, MS_PRIVATE = 0x20000, 0x4000, 0x40000
 def take_own_shared_memory() -> None:
     """Give this process and those that it starts a /dev/shm of their own, where its user may mount.
 
-    The middleware waits for ever for a lock in shared memory that a killed process held. Without this, what one worker
-    kills could stop a run of the other one.
+    The middleware waits for ever for a lock in shared memory that a killed process held. The suite's nodes use none;
+    nodes of strangers do, and what one worker kills could stop those of the other one.
     """
     libc = ctypes.CDLL(None)
     if libc.unshare(CLONE_NEWNS) == 0 and libc.mount(None, b"/", None, MS_REC | MS_PRIVATE, None) == 0:

@@ -303,7 +303,7 @@ SUPERVISION_STATE = structure(
     Row("reasons", "", "of compensation being off, that have been reported so far", COUNTER),
     Row("is_pending", "", "1: compensation is asked for again once commands reach the winch", COUNTER),
     Row("is_tried", "", "1: it has been, and the winch has kept its fault", COUNTER),
-    Row("fades_by_law", "", "1: compensation is being faded out", COUNTER),
+    Row("fades_compensation", "", "1: this fade-out is that of compensation", COUNTER),
     Row("is_reported", "", "1: limited authority has been reported", COUNTER),
     Row("is_off", "", "1: depth sensor and payout disagree", COUNTER),
     Row("is_kept", "", "1: the highest tension is one that compensation can keep", COUNTER),

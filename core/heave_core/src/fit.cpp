@@ -127,7 +127,7 @@ Fit fitted(const ProofDesign &design, const ProofState &state, const Sum &expect
     take_out(n, work.beside, beside, x);
     take_out(n, work.beside, beside, y);
     const double x_size = normalise(n, smallest_x, x), y_size = normalise(n, smallest_y, y);
-    if (x_size == 0.0 || y_size == 0.0) return {0.0, 0.0, 0.0, 0.0};
+    if (x_size == 0.0 || y_size == 0.0) return {};
     const double correlation = dot(n, x, y), scale = correlation * y_size / x_size;
     add(n, -correlation, x, y);
     const double squares = dot(n, y, y);

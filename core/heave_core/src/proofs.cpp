@@ -38,7 +38,7 @@ bool refutes(const ProofDesign &design, const Fit &fit) {
 // Fit of load cell and depth sensor together: tension over stiffness and heave of the load are the boom tip's, whatever hangs
 // on the cable and however it swings. Returns that of the plausible cable that fits best; `nominal` becomes the nominal one's.
 Fit fitted_tip(const ProofDesign &design, const ProofState &state, Fit &nominal, ProofWork &work) {
-    Fit best{0.0, 0.0, 0.0, 0.0};
+    Fit best{};
     for (const double softness : design.softness) {
         const Sum expected = {1.0 / design.stiffness, 1.0}, read = {softness / design.stiffness, 1.0};
         const Fit fit = fitted(design, state, expected, read, OFFSET_AND_TREND, work);

@@ -185,12 +185,12 @@ bool may_damp(const Supervising &on, const Lost &lost) {
     return on.tick->has_depth != 0.0 && !lost.depth && !is_mru_lost;
 }
 
-// Whether the law itself lets the unit go: an operator has asked for the fade-out, and the sensors are well. Without one it
-// goes on by prediction for as long as compensation does, and again once that one is back.
+// Whether the law itself lets the unit go: an operator has asked for the fade-out, and the sensors are well. It goes on by
+// prediction while one is missing, for as long as compensation does, and again once that one is back.
 bool lets_go(const Supervising &on) {
     const ModeState &mode = *on.mode;
     const bool is_known = mode.coasted <= on.modes->coast_time || mode.well_time > on.modes->back_time;
-    return on.state->fades_by_law && !mode.wants && is_known;
+    return on.state->fades_compensation && !mode.wants && is_known;
 }
 
 // Inputs of the mode machine; returns whether the unit is damped. A unit that stands is at rest, and one that swings as
@@ -225,12 +225,12 @@ bool fill_situation(const Supervising &on, const Lost &lost) {
     return is_damped;
 }
 
-// A fade-out of compensation.
+// Notes whether a fade-out is that of compensation.
 void follow_mode(const Supervising &on, int before) {
     const int mode = on.mode->mode;
     if (mode == IN_COMPENSATING && before == IN_FADE_OUT) allow_resumption(*on.guard, *on.guard_state);
-    if (mode != IN_FADE_OUT) on.state->fades_by_law = 0;
-    else if (before == IN_COMPENSATING) on.state->fades_by_law = 1;
+    if (mode != IN_FADE_OUT) on.state->fades_compensation = 0;
+    else if (before == IN_COMPENSATING) on.state->fades_compensation = 1;
 }
 
 // Lowering without depth readings is news; touchdown while lowering, and that the unit hangs again after lift-off.

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import accumulate
 
 import numpy as np
 from heave_node.interface.alarm import Severity
@@ -230,7 +231,8 @@ def lead_of(time: Array, planned: Array, stretch: Array, follows: Array, asked: 
     asked : since the fault
     cable : nominal
     """
-    period, count = _period(time), round(MINUTE / _period(time))
+    period = _period(time)
+    count = round(MINUTE / period)
     rate = np.clip(np.gradient(planned, period), -asked.speed, asked.speed)
     steepest = MOVE.acceleration if asked.speed else 0.0
     slope = np.clip(np.gradient(rate, period), -steepest, steepest)
@@ -238,10 +240,7 @@ def lead_of(time: Array, planned: Array, stretch: Array, follows: Array, asked: 
     for start in np.flatnonzero(np.diff(follows.astype(int)) > 0) + 1:
         wanted[start] = max(wanted[start], float(np.std(stretch[max(start - count, 0) : start])))
     decay = math.exp(-period / ENVELOPE.travel_time)
-    found: Array = wanted
-    for place in range(1, found.size):
-        found[place] = max(decay * found[place - 1], found[place])
-    return found
+    return np.array(list(accumulate(wanted, lambda before, now: max(decay * before, now))))
 
 
 def envelope_ratio(
