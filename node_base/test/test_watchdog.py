@@ -34,6 +34,16 @@ class Stuck:
 process.run_node(Stuck, [])
 """
 
+STUCK_AFTER_CTRL_C = """
+import ctypes, os, signal
+from heave_node.ros.transport.watchdog import watched_start
+os.setsid()  # a terminal of its own
+signal.signal(signal.SIGINT, lambda *_: None)
+with watched_start(1.0):
+    os.killpg(0, signal.SIGINT)  # before the watchdog can ignore it
+    ctypes.PyDLL(None).sleep(600)
+"""
+
 STUCK_AFTER_A_WHILE = """
 import ctypes, subprocess, sys, time
 from heave_node.ros.transport.watchdog import Watchdog
@@ -64,7 +74,7 @@ def run(program: str) -> subprocess.CompletedProcess[str]:
     return subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=120, check=False)
 
 
-@pytest.mark.parametrize("program", [STUCK, STUCK_NODE], ids=["command", "node"])
+@pytest.mark.parametrize("program", [STUCK, STUCK_NODE, STUCK_AFTER_CTRL_C], ids=["command", "node", "Ctrl-C"])
 def test_a_start_that_hangs_is_ended_and_named(program):
     done = run(program)
     assert done.returncode == -signal.SIGKILL
