@@ -321,6 +321,7 @@ def test_what_the_same_run_does_without_the_fault_stopped_at_once_as_well_is_no_
     assert travel.holds(Outcome(travel=1.04, without=1.05))
     assert not travel.holds(Outcome(travel=1.04))
     assert not travel.holds(Outcome(travel=1.04, without=1.03))
+    assert travel.holds(Outcome(travel=1.02256, without=1.02253))  # 40 um of 1.4 m
 
 
 def test_a_creep_shows_once_it_has_carried_the_drum_away_from_where_it_was_to_be():
