@@ -162,7 +162,7 @@ def test_the_envelope_is_wider_for_a_swing_that_is_to_be_stopped_and_a_load_that
     assert lead_of(TIME, planned, none, TIME < 0.0, Asked(), cable).max() == 0.0, "nothing was asked"
     tip = np.sin(OMEGA * TIME)
     narrow, wide = (
-        envelope_ratio(TIME, 2.0 * tip, none, tip, Asked(), BEGIN, one, cable) for one in (none, none + 0.2)
+        envelope_ratio(TIME, 2.0 * tip, none, tip, Asked(), BEGIN, one, one / 2.0) for one in (none, none + 0.2)
     )
     assert wide == pytest.approx(narrow * 1.8 / 2.0, rel=1e-2)
 
