@@ -162,7 +162,7 @@ def test_the_envelope_is_wider_for_a_swing_that_is_to_be_stopped_and_a_load_that
     assert lead_of(TIME, planned, none, TIME < 0.0, Asked(), cable).max() == 0.0, "nothing was asked"
     tip = np.sin(OMEGA * TIME)
     narrow, wide = (
-        envelope_ratio(TIME, 2.0 * tip, none, tip, Asked(), BEGIN, one, cable) for one in (none, none + 0.2)
+        envelope_ratio(TIME, 2.0 * tip, none, tip, Asked(), BEGIN, one, one / 2.0) for one in (none, none + 0.2)
     )
     assert wide == pytest.approx(narrow * 1.8 / 2.0, rel=1e-2)
 
@@ -321,6 +321,7 @@ def test_what_the_same_run_does_without_the_fault_stopped_at_once_as_well_is_no_
     assert travel.holds(Outcome(travel=1.04, without=1.05))
     assert not travel.holds(Outcome(travel=1.04))
     assert not travel.holds(Outcome(travel=1.04, without=1.03))
+    assert travel.holds(Outcome(travel=1.02256, without=1.02253))  # 40 um of 1.4 m
 
 
 def test_a_creep_shows_once_it_has_carried_the_drum_away_from_where_it_was_to_be():

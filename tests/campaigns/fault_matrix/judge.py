@@ -251,7 +251,7 @@ def envelope_ratio(
     asked: Asked,
     begin: float,
     lead: Array | float = 0.0,
-    cable: CableModel | None = None,
+    swing: Array | float = 0.0,
 ) -> float:
     """Return the largest rate or travel of the drum from `begin` [s] on, over the bounds of the envelope.
 
@@ -261,7 +261,7 @@ def envelope_ratio(
     planned : mean payout about which the controller works [m], shape (n,)
     asked : since then
     begin : of the fault [s]
-    lead : further travel that is allowed, see `lead_of` [m]; of a load on a nominal `cable`
+    lead, swing : further travel that is allowed, see `lead_of`, and the speed with which it comes [m], [m/s]
 
     Bounds are those of `ENVELOPE`, by rate and heave of the boom tip as it was in the last minute. The travel is that
     about the asked motion, with a leak of a minute. How much of a move the drum has made is not known: anything from
@@ -276,7 +276,6 @@ def envelope_ratio(
     at_once = _way(time, asked, begin)
     made = np.clip(ahead * (planned - planned[np.searchsorted(time, begin)]), 0.0, at_once)
     moves = np.clip(np.gradient([at_once, made], period, axis=1).max(axis=0), 0.0, asked.speed)
-    swing = lead / math.sqrt(cable.natural_a) if cable else 0.0
     over = np.abs(rate) / (bounds.rate_factor * wider * speed + bounds.rate_margin + moves + swing)
     before = np.where(since, 0.0, np.gradient(planned, period))
     ways = (0.0 * time, at_once, made)

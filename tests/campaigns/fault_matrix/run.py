@@ -228,10 +228,12 @@ def judged(
     counts_otherwise = math.isinf(asked.distance) or bool({ENCODER, DRUM} & set(one.base.case.parts))
     stands = one.base.of.scenarios is LANDINGS
     modes = record.modes[int(np.argmax(since)) :]
-    planned, lead = record.column("depth_set_point"), 0.0 * time
+    planned = record.column("depth_set_point")
+    lead = swing = 0.0 * time
     if nominal is not None:
         stretch, follows = record.column("top_tension") / nominal.stiffness, np.array(record.modes) == "compensating"
         lead = lead_of(time, planned, stretch, follows, asked, nominal)
+        swing = lead / math.sqrt(nominal.natural_a)
     return Outcome(
         named=named_after(alarms, kind.parts, begin),
         is_visible={
@@ -243,7 +245,7 @@ def judged(
         }.get(kind.shows),
         rest=rest,
         travel=travel_ratio(time, payout, tip, asked, begin, begin + rest),
-        envelope=envelope_ratio(time, payout, planned, tip, asked, begin, lead, nominal),
+        envelope=envelope_ratio(time, payout, planned, tip, asked, begin, lead, swing),
         unit=math.nan
         if stands
         else unit_ratio(
