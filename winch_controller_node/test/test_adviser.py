@@ -7,7 +7,10 @@ import pytest
 from heave_node.parameters import build_parameters
 from winch_controller_node.adviser import component
 from winch_controller_node.adviser.component import Adviser
+from winch_controller_node.adviser.hypothesis import SEA_PERIOD
 from winch_controller_node.adviser.record import SensorHistory
+from winch_controller_node.beliefs.beliefs import Belief
+from winch_controller_node.beliefs.quantities import with_value
 from winch_controller_node.design.design import design_controller
 from winch_controller_node.interface.observations import READING_COLUMNS, Observations
 from winch_controller_node.model.lqr import DesignError
@@ -168,3 +171,13 @@ def test_what_cannot_be_designed_for_is_not_in_the_history_of_the_sensors_either
     found = answers(drawn_from(design, 80.0, change=mru_twice), adviser)
     assert not any(one.values or one.adopted for one in found)
     assert adviser._history == SensorHistory()
+
+
+@pytest.mark.parametrize("period", [9.0, 11.0])
+def test_a_sea_that_was_assumed_gives_way_to_another_though_the_stated_one_would_do_as_well(period, drawn_from):
+    """The stated sea is no other culprit: it is a sea as well."""
+    there = with_value(PARAMETERS, "sea.peak_period", period)
+    adviser = Adviser(PARAMETERS, tick_period=DT)
+    answers(drawn_from(design_controller(there, tick_period=DT)), adviser)
+    assert adviser._assume({SEA_PERIOD: Belief(SEA_PERIOD, 21.0)})
+    assert adviser._is_sea({SEA_PERIOD: period})

@@ -9,6 +9,7 @@ from types import MappingProxyType, SimpleNamespace
 
 import numpy as np
 import pytest
+from heave_core.law import put
 from heave_core.law_table import ACTIVE_WINCH
 from heave_core.library import dtype_of
 from winch_controller_node.adviser.component import Adviser
@@ -271,6 +272,20 @@ def test_an_encoder_that_a_reflex_sets_aside_is_no_concern_of_an_echo(aside):
         stepped(controller, asked + 1, asked + AFTER)
         assert controller.observer.excluded == ("encoder" if aside else "")
         assert controller._encoder.is_unresolved is aside
+
+
+@pytest.mark.parametrize("law", ["lqg", "mpc"])
+def test_the_law_of_another_design_knows_how_near_the_limits_were(law):
+    nominal = dataclasses.replace(NOMINAL, law=law)
+    controller, asked = WinchController(nominal, tick_period=DT), 30
+    before, near = controller._in_force.law, {"is_near": 1, "near_share": 1.4, "freedom": 0.3}
+    put(before.core.state, near)
+    stepped(controller, 1, asked)
+    assert controller.take(answer(asked, {"winch.time_constant": 0.13}, is_designed=True, nominal=nominal))
+    stepped(controller, asked + 1, asked + AFTER)
+    after = controller._in_force.law
+    assert after is not before
+    assert {name: after.core.state[name][0] for name in near} == near
 
 
 def test_limits_are_used_a_little_less_and_need_no_design():

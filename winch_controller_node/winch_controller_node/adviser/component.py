@@ -429,7 +429,7 @@ class Adviser:
     def _is_sea(self, sea: Mapping[str, float]) -> bool:
         """Tell whether no other culprit would explain the last minute better than another `sea`."""
         judge = Judge(self._record.last(self._judged), self._assumed())
-        others = [one.total for one in judge.best() if one.changes or one.excluded != judge.present.excluded]
+        others = [one.total for one in judge.best() if one.culprits - {"sea"} != judge.present.culprits]
         other = min(others, default=math.inf)
         return other > judge.present.total - AGAIN or judge.total_with(sea) < other
 

@@ -122,17 +122,20 @@ class LoopCommand:
         self._kpi, self._control = kpi, control
         control.take(ACTING, seen=new(ACT_SEEN), place=Place(LEAK, REACH).record, **kpi.records)
         self._tension = ConstantTension(self._state["tension"])
+        self._core_law: CoreLaw | None = None
         self.take_design(design, law)
 
     def take_design(self, design: ControllerDesign, law: ControlLaw) -> None:
-        """Use a design and its `law` from now on; the tension that is held stays."""
+        """Use a design and its `law` from now on; the tension that is held stays, and how near the limits were."""
         parameters, model = design.parameters, design.model
         self._winch = parameters.winch
         self._law = law
         # of a law of the suite the command shares the winch: limits have one place
         active = law.winch if isinstance(law, CoreLaw) else ActiveWinch(self._winch, design.limits, design.tick_period)
         active.take(self._winch, design.limits)
-        self._core_law = law if isinstance(law, CoreLaw) else None
+        before, self._core_law = self._core_law, law if isinstance(law, CoreLaw) else None
+        if before is not None and self._core_law is not None:
+            self._core_law.core.state[:] = before.core.state
         self._active = active
         damping = None if self._is_first_order else OutletHold(model, self._winch, design.cable.a)
         # swing of the unit at which a fade-out may end [m]; infinite where the law is not asked to damp it
