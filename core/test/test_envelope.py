@@ -926,7 +926,7 @@ def test_a_count_of_another_scale_that_has_jumped_is_no_witness_against_the_drum
 
 @pytest.mark.parametrize("scale", [0.3, 0.5])
 def test_a_count_that_has_jumped_proves_nothing_while_a_limit_of_the_drive_acts(scale):
-    """The drum may go any part of what is sent then: a count of a third of its scale was a witness again after 2 s."""
+    """The drum may go any part of what is sent then: a count of a third of its scale braked it after 2 s."""
     rig = Rig().settled()
     for tick in range(400):
         acts = tick < 200
