@@ -914,13 +914,24 @@ def test_the_count_of_an_encoder_in_steps_of_3_cm_is_no_drum_that_runs():
 
 @pytest.mark.parametrize("scale", [0.5, 0.333, 2.4, -1.0])
 @pytest.mark.parametrize("place", [0.3, 3.0])
-def test_a_count_of_another_scale_that_has_jumped_is_no_witness_against_the_drum(scale, place):
+@pytest.mark.parametrize("duty", [Duty.FOLLOW, Duty.FADE])
+def test_a_count_of_another_scale_that_has_jumped_is_no_witness_against_the_drum(scale, place, duty):
     """No drum jumps: the encoder is at fault, and the brake would set the load swinging for nothing."""
     rig = Rig().settled()
     for _ in range(400):
-        rig.step(count=scale * (rig.payout + place))
+        rig.step(count=scale * (rig.payout + place), duty=float(duty))
     assert rig.orders[-1].cause == Cause.NOTHING
     assert rig.orders[-1].rate_bound - 0.25 == pytest.approx(0.8 * 1.5 * AMPLITUDE * OMEGA, rel=0.05)  # as with none
+
+
+@pytest.mark.parametrize("scale", [0.3, 0.5])
+def test_a_count_that_has_jumped_proves_nothing_while_a_limit_of_the_drive_acts(scale):
+    """The drum may go any part of what is sent then: a count of a third of its scale braked it after 2 s."""
+    rig = Rig().settled()
+    for tick in range(400):
+        acts = tick < 200
+        rig.step(count=scale * (rig.payout + 0.3), drive=DriveState.DRIVE_LIMITED if acts else DriveState.DRIVE_FREE)
+    assert rig.orders[-1].cause == Cause.NOTHING
 
 
 @pytest.mark.parametrize("jump", [0.2, -0.7])

@@ -435,6 +435,13 @@ def test_a_scale_is_sudden_only_where_the_winch_is_known():
     assert [act for _, act in found] == [SET_ASIDE]
 
 
+def test_no_limit_makes_a_drum_go_further_than_it_was_ordered():
+    """An encoder that reads twice as much all at once is at fault, whether or not orders hit a limit meanwhile."""
+    twice = Ordered(2.0, 0.02, 3.0, is_limited=True)
+    found, _ = acts([TRUE] * seconds(40.0) + [twice] * 5)
+    assert found == [(seconds(40.0) + LOOKS - 1, SET_ASIDE)]
+
+
 def test_a_scale_is_not_sudden_while_a_limit_acts():
     """A drum at a limit does less than it was ordered; one that turns the other way has no such allowance."""
     half, back = (one._replace(is_limited=True) for one in (HALF, BACK))

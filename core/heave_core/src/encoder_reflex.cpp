@@ -63,16 +63,20 @@ int set_aside(const Control &on, const Ordered &ordered) {
 
 }  // namespace
 
+// A third sensor has named the encoder, not the drive.
+bool is_count_refuted(const ReflexState &state) { return state.is_named && !state.is_unresolved; }
+
 bool reads_reversed(const ReflexDesign &design, const Ordered &ordered, bool was) {
     if (was) return ordered.share < design.not_reversed;
     return ordered.share < design.reversed && ordered.left < design.straight;
 }
 
-// It reads far less or more than was ordered, no limit having acted; and if it was so, still does.
+// It reads far more than was ordered, or far less, no limit having acted; and if it was so, still does. A limit that acts
+// makes a drum go less than it was ordered, never more.
 bool reads_suddenly(const ReflexDesign &design, const Ordered &ordered, bool was) {
     const double least = was ? design.not_less : design.less, most = was ? design.not_more : design.more;
     if (least < ordered.share && ordered.share < most) return false;
-    return was || (ordered.left < design.straight && ordered.is_limited == 0.0);
+    return was || (ordered.left < design.straight && (ordered.share >= most || ordered.is_limited == 0.0));
 }
 
 bool reads_the_right_way(const ReflexDesign &design, const Ordered &ordered) {
@@ -117,6 +121,11 @@ int watch_encoder(const Control &on) {
     const bool is_aside = sense.excluded == on.sense->encoder, is_frozen = gate.level == SENSOR_LOST && gate.reason == FROZEN;
     int news = watch_count(on);
     news |= separate(design, *on.reflex_state, is_frozen, is_aside, is_braked(*on.supervising.mode));
+    if (is_count_refuted(*on.reflex_state)) {
+        // the drum follows its commands: what was held against it was the count's, and the depth sensor knows where it is
+        on.supervising.guard_state->drum_share = 0.0;
+        if (on.tick->has_depth != 0.0) on.reflex_state->aside_time = 0.0;
+    }
     const bool moves = mode == IN_COMPENSATING || mode == IN_FADE_OUT, is_other_aside = sense.excluded >= 0 && !is_aside;
     if (!moves || on.active->identifies_winch == 0 || is_other_aside) return news;
     Ordered ordered{NOT_KNOWN, 0.0, 0.0, 0.0};

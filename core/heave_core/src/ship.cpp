@@ -109,6 +109,11 @@ void follow(Spread &spread, double value, double weight) {
 
 }  // namespace
 
+// Whether nothing but the sea moves the drum: no move is asked for, and no brake or stop acts.
+static bool moves_with_sea(const State &state, const Readings &readings) {
+    return readings.brake == 0.0 && state.move.rate == 0.0 && readings.lift_rate == 0.0 && state.phase == FREE;
+}
+
 // Whose the drift of the count is, the depth sensor can tell: it goes as the nominal unit does, whose payout is the count,
 // where the drum creeps, and the other way than the drift where the count does. Both are smoothed alike, from where they were.
 // A scale of the count and a motion reference unit that wanders show in the waves as well: D (D_z - D / 2) of the drift D and
@@ -118,8 +123,7 @@ void watch_depth(const Design &design, State &state, const Readings &readings) {
     const Bounds &bounds = design.envelope;
     Drift &drift = state.drift;
     const double dt = design.tick_period, left = 1.0 - dt / bounds.travel_time;
-    const bool follows = int(readings.duty) == FOLLOW && readings.brake == 0.0 && state.move.rate == 0.0 &&
-                         readings.lift_rate == 0.0 && state.phase == FREE;
+    const bool follows = int(readings.duty) == FOLLOW && moves_with_sea(state, readings);
     drift.time = follows ? drift.time + dt : 0.0;
     drift.age += dt;
     for (double *one : {&drift.off, &drift.way, &drift.seen}) *one *= follows ? left : 0.0;
@@ -165,7 +169,8 @@ double drift_limit(const Design &design, const State &state) {
 }
 
 // Whether a count that has jumped goes along with the drum again: on a way, or for a window, in which it strays no more than
-// a drum may. Returns bits.
+// a drum may. Where a limit or a brake acts the drum may have gone any part of what was sent: that way proves nothing.
+// Returns bits.
 int prove_count(const Design &design, State &state, double sent, double off) {
     const Bounds &bounds = design.envelope;
     const double seen = 2.0 * state.resolution, way = std::abs(sent) > 2.0 * seen ? std::abs(sent) : 0.0;
@@ -225,14 +230,15 @@ int observe_count(const Design &design, State &state, const Readings &readings, 
     const double fastest = std::min(design.winch.speed, bounds.largest_rate);  // a drive without a limit: as the boom tip
     const bool is_jump = !is_first && std::abs(step - sent) > fastest * time + bounds.count_step;
     // no drum changes its speed so: the encoder is at fault, and no witness of the drum until it has gone along again, as long
-    // as the winch follows the sea and nothing else, within the bounds on what is sent
+    // as the winch follows the sea, or less and less of it, and nothing else, within the bounds on what is sent
     const double change = std::min(std::abs(step - sent), std::abs(step - state.step));
     const bool is_next = !is_first && time < 1.5 * dt;
     if (is_jump || (is_next && change > bounds.count_step)) {
         state.unproved = bounds.travel_margin;
         state.strayed = 0.0;
     }
-    if (state.drift.time == 0.0) state.unproved = 0.0;
+    const int duty = int(readings.duty);
+    if (!((duty == FOLLOW || duty == FADE || duty == DAMP) && moves_with_sea(state, readings))) state.unproved = 0.0;
     state.count = readings.count;
     state.step = step;
     state.since_count = later;
@@ -266,7 +272,7 @@ int observe_count(const Design &design, State &state, const Readings &readings, 
     state.drum_travel += std::abs(sent);
     // a drum that suddenly goes otherwise than sent makes steps of its own in the load
     if (std::abs(step - expected) > 0.5 * bounds.brake_margin) state.taut_time = 0.0;
-    if (state.unproved > 0.0) return prove_count(design, state, sent, step - expected);
+    if (state.unproved > 0.0) return prove_count(design, state, is_held ? 0.0 : sent, step - expected);
     if (!thaws) {
         state.residual += step - expected;
         state.drift.off += step - expected;

@@ -106,7 +106,8 @@ void decide(const Control &on) {
     seen.mean_acceleration = mean.move.slope;
     seen.settled_swing = active.settled_swing;
     seen.share = active.share;
-    seen.drum_error = active.identifies_winch ? on.winch_state->error : 0.0;
+    const bool is_drum_seen = active.identifies_winch && !is_count_refuted(*on.reflex_state);
+    seen.drum_error = is_drum_seen ? on.winch_state->error : 0.0;
     seen.is_reversed = on.reflex_state->is_unresolved;
     seen.is_certain = link.is_cut || link.overdue > active.tolerated_delay || on.reflex_state->is_unresolved;
     seen.envelope = on.given->cause != 0.0;

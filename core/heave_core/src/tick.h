@@ -38,6 +38,7 @@ struct Control {
 };
 
 // encoder_reflex.cpp: what an encoder reads of what the winch was ordered; a look; what is found before a tick
+bool is_count_refuted(const ReflexState &state);
 bool reads_reversed(const ReflexDesign &design, const Ordered &ordered, bool was);
 bool reads_suddenly(const ReflexDesign &design, const Ordered &ordered, bool was);
 bool reads_the_right_way(const ReflexDesign &design, const Ordered &ordered);
