@@ -103,6 +103,11 @@ class WaveVesselNode(ParticipantNode):
             self._prepared = self.component.step(number)
 
     @property
+    def starts_ahead(self) -> bool:
+        """See ParticipantNode: it reads the tension where the ship responds to it, and nothing else."""
+        return not self.parameters.load_response.displacement
+
+    @property
     def next_tick(self) -> int:
         """See HeaveNode."""
         return super().next_tick + (self._prepared is not None)

@@ -66,6 +66,7 @@ class _Protocol(NamedTuple):
     status: Publisher[Any] | LocalPublisher
     start: Output  # of the tick, for nodes of other programs
     past: PassedOn  # for nodes that may be behind
+    ahead: Output  # of the tick, for nodes that read nothing in it
 
 
 class ClockMasterNode(HeaveNode):
@@ -99,15 +100,19 @@ class ClockMasterNode(HeaveNode):
         self._reset_wanted = False
         self._clock_started_at = 0.0
         self._waits = MasterWaits()
-        self._lead = Part()
+        self._lead = self._ahead = Part()
         self._clock_output = self.add_output(topics.CLOCK)
-        past = topics.TICK_PAST
-        self._ports.outputs.append(Output(self.resolve_topic_name(past.name), self.make_publisher(past)))
+        past, ahead = (
+            Output(self.resolve_topic_name(topic.name), self.make_publisher(topic))
+            for topic in (topics.TICK_PAST, topics.TICK_AHEAD)
+        )
+        self._ports.outputs += [past, ahead]
         self._protocol = _Protocol(
             self.make_publisher(topics.TICK_ROSTER),
             self.make_publisher(topics.TICK_STATUS),
             self.add_apart(topics.TICK_START),
-            PassedOn(self._ports.outputs[-1], is_in_memory=self.exchange is not None),
+            PassedOn(past, is_in_memory=self.exchange is not None),
+            ahead,
         )
         self.create_protocol_subscription(topics.TICK_JOIN, self._on_join)
         for node in peers:
@@ -257,8 +262,8 @@ class ClockMasterNode(HeaveNode):
 
     def _appoint_speakers(self) -> dict[str, Speakers]:
         """Return who may publish on each topic that one node owns, by resolved name."""
-        of_master = (topics.TICK_ROSTER, topics.TICK_START, topics.TICK_LEAD, topics.TICK_PAST, topics.TICK_STATUS)
-        lawful = {topic.name: [self.identity] for topic in of_master}
+        of_master = (topics.TICK_AHEAD, topics.TICK_LEAD, topics.TICK_PAST, topics.TICK_START)
+        lawful = {topic.name: [self.identity] for topic in (*of_master, topics.TICK_ROSTER, topics.TICK_STATUS)}
         for p in self.roster.participants.values():
             of_node = (topics.tick_done_topic(p.name), topics.tick_part_topic(p.name))
             lawful |= {topic.name: [p.identity] for topic in of_node}
@@ -312,7 +317,19 @@ class ClockMasterNode(HeaveNode):
         self.on_readings(tick)
         self.report(tick, is_answered=False)
 
+    def _announce(self, tick: Tick, *, flush: bool = False) -> None:
+        """Let those that read nothing in a `tick`, or in the `flush`, begin it; once."""
+        if (self._ahead.tick, self._ahead.epoch) == (tick.number, tick.epoch):
+            return
+        self._ahead = Part(tick.number, tick.epoch, self.roster.counters, (), 0, tick.start_nanoseconds, flush)
+        self._send_ahead()
+
+    def _send_ahead(self) -> None:
+        if self._protocol.ahead.is_heard:
+            self.send_part(self._ahead, self._protocol.ahead)
+
     def _send_start(self, tick: Tick, *, flush: bool) -> None:
+        self._announce(tick, flush=flush)
         carried = self.take_carried()
         self.roster.answer(self.name, tick.number, self.published_counts())
         counters = self.roster.counters
@@ -368,8 +385,7 @@ class ClockMasterNode(HeaveNode):
             self._end_of_flush()
             return
         if self.run.is_lockstep:
-            self.fail_on_error(lambda: self.on_advance(tick))
-            self._begin_what_follows()
+            self._end_tick(tick)
         else:
             after_tick()
 
@@ -379,17 +395,30 @@ class ClockMasterNode(HeaveNode):
             return True
         return self._lead.flush and not self.run.is_lockstep and self._patience.is_over(self.gate.lost())
 
+    def _end_tick(self, tick: Tick) -> None:
+        """Integrate to the end of a `tick`, and go on; who reads nothing in the next one works meanwhile."""
+        if not (self._is_over() or self._is_to_pause()):
+            self._announce(Tick(tick.number + 1, self.epoch, self.run.tick_nanoseconds))
+        self.fail_on_error(lambda: self.on_advance(tick))
+        self._begin_what_follows()
+
     def _begin_what_follows(self) -> None:
         """Go on after a tick: to the next one, to the end, to a pause or to a new run."""
         if self.failure:
             return
-        if self._reset_wanted or self.tick_number >= self.run.tick_count:
+        if self._is_over():
             self._begin_flush()
-        elif self._pause_at is not None and self.tick_number >= self._pause_at:
+        elif self._is_to_pause():
             self.run_state = TickStatus.PAUSED
             self._send_past()
         else:
             self._begin_tick(self.tick_number + 1)
+
+    def _is_over(self) -> bool:
+        return self._reset_wanted or self.tick_number >= self.run.tick_count
+
+    def _is_to_pause(self) -> bool:
+        return self._pause_at is not None and self.tick_number >= self._pause_at
 
     def _follow_wall_clock(self) -> None:
         """Begin the ticks that are due; a machine that is late catches up, and its missed deadlines are counted.
@@ -405,8 +434,7 @@ class ClockMasterNode(HeaveNode):
             tick = self.tick
             if tick is not None:
                 self._note_end_of(tick)
-                self.fail_on_error(partial(self.on_advance, tick))
-                self._begin_what_follows()
+                self._end_tick(tick)
             else:
                 self._begin_tick(1)
             self.own_time.ended()
@@ -546,6 +574,7 @@ class ClockMasterNode(HeaveNode):
             self.timing.resends += 1
             self.send_again_alone(self._lead)
             self._publish_roster()
+            self._send_ahead()
             self._send_lead()
             self._send_past(again=True)
         behind = self.roster.unanswered(self.tick_number, flush=self._lead.flush)

@@ -291,9 +291,9 @@ class PortedNode(LifecycleNode):
         self._ports.part.published += 1
         return carried
 
-    def send_part(self, part: Part) -> None:
-        """Send a `part`, also again: whoever has it knows it by its number."""
-        self._ports.part.publish_uncounted(part.to_bytes() if self.exchange is None else part)
+    def send_part(self, part: Part, output: Output | None = None) -> None:
+        """Send a `part`, on the output of this node's parts or another, also again: it is known by its number."""
+        (output or self._ports.part).publish_uncounted(part.to_bytes() if self.exchange is None else part)
 
     def send_again_alone(self, part: Part) -> None:
         """Send the messages of a `part` again by themselves, where programs take part that have no parts.
