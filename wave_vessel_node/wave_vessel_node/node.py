@@ -93,9 +93,7 @@ class WaveVesselNode(ParticipantNode):
         """See ParticipantNode. The sea goes on."""
         self._outputs_of(tick)
 
-    def on_left_out(self, tick: Tick) -> None:
-        """See ParticipantNode: the sea goes on."""
-        self._outputs_of(tick)
+    on_left_out = on_inactive_tick
 
     def prepare(self, number: int) -> None:
         """See ParticipantNode. A sea without a load waits for nobody, and the controller need not wait for the sea."""
@@ -104,7 +102,7 @@ class WaveVesselNode(ParticipantNode):
 
     @property
     def starts_ahead(self) -> bool:
-        """See ParticipantNode: it reads the tension where the ship responds to it, and nothing else."""
+        """See ParticipantNode: it reads the tension alone, where the ship responds to it."""
         return not self.parameters.load_response.displacement
 
     @property

@@ -8,7 +8,6 @@ when the others have answered.
 from __future__ import annotations
 
 import time
-from functools import partial
 from typing import Any, NamedTuple
 
 from heave_msgs.msg import TickJoin, TickRoster, TickStatus
@@ -319,13 +318,8 @@ class ClockMasterNode(HeaveNode):
 
     def _announce(self, tick: Tick, *, flush: bool = False) -> None:
         """Let those that read nothing in a `tick`, or in the `flush`, begin it; once."""
-        if (self._ahead.tick, self._ahead.epoch) == (tick.number, tick.epoch):
-            return
-        self._ahead = Part(tick.number, tick.epoch, self.roster.counters, (), 0, tick.start_nanoseconds, flush)
-        self._send_ahead()
-
-    def _send_ahead(self) -> None:
-        if self._protocol.ahead.is_heard:
+        if (self._ahead.tick, self._ahead.epoch) != (tick.number, tick.epoch):
+            self._ahead = Part(tick.number, tick.epoch, self.roster.counters, (), 0, tick.start_nanoseconds, flush)
             self.send_part(self._ahead, self._protocol.ahead)
 
     def _send_start(self, tick: Tick, *, flush: bool) -> None:
@@ -397,7 +391,8 @@ class ClockMasterNode(HeaveNode):
 
     def _end_tick(self, tick: Tick) -> None:
         """Integrate to the end of a `tick`, and go on; who reads nothing in the next one works meanwhile."""
-        if not (self._is_over() or self._is_to_pause()):
+        last = self.run.tick_count if self._pause_at is None else min(self._pause_at, self.run.tick_count)
+        if tick.number < last and not self._reset_wanted:
             self._announce(Tick(tick.number + 1, self.epoch, self.run.tick_nanoseconds))
         self.fail_on_error(lambda: self.on_advance(tick))
         self._begin_what_follows()
@@ -406,19 +401,13 @@ class ClockMasterNode(HeaveNode):
         """Go on after a tick: to the next one, to the end, to a pause or to a new run."""
         if self.failure:
             return
-        if self._is_over():
+        if self._reset_wanted or self.tick_number >= self.run.tick_count:
             self._begin_flush()
-        elif self._is_to_pause():
+        elif self._pause_at is not None and self.tick_number >= self._pause_at:
             self.run_state = TickStatus.PAUSED
             self._send_past()
         else:
             self._begin_tick(self.tick_number + 1)
-
-    def _is_over(self) -> bool:
-        return self._reset_wanted or self.tick_number >= self.run.tick_count
-
-    def _is_to_pause(self) -> bool:
-        return self._pause_at is not None and self.tick_number >= self._pause_at
 
     def _follow_wall_clock(self) -> None:
         """Begin the ticks that are due; a machine that is late catches up, and its missed deadlines are counted.
@@ -574,7 +563,7 @@ class ClockMasterNode(HeaveNode):
             self.timing.resends += 1
             self.send_again_alone(self._lead)
             self._publish_roster()
-            self._send_ahead()
+            self.send_part(self._ahead, self._protocol.ahead)
             self._send_lead()
             self._send_past(again=True)
         behind = self.roster.unanswered(self.tick_number, flush=self._lead.flush)
