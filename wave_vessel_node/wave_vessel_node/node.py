@@ -37,8 +37,7 @@ class WaveVesselNode(ParticipantNode):
 
     def on_build(self) -> None:
         """See HeaveNode. Compiles the sum of components by asking for the first motion."""
-        self.component = self._new_component()
-        self._prepared: WaveVesselOutputs | None = None
+        self.on_reset()
         self.sea_state = self.add_output(topics.SEA_STATE)
         self.waves = self.add_output(topics.WAVE_COMPONENTS)
         self.estimate = self.add_output(topics.SEA_STATE_ESTIMATE)
@@ -53,16 +52,14 @@ class WaveVesselNode(ParticipantNode):
         answers = self.parameters.load_response.displacement > 0.0
         self.tension = self.add_input(topics.CABLE_STATE, ("top_tension",), holds_ahead=True) if answers else None
         self._mru_messages = SensorMessages(MRU)
-        self._last_reading_time = 0.0
-        self._last_status: int = MruStatus.OK
         FaultService(self, self._faults)
 
     def on_reset(self) -> None:
         """See HeaveNode."""
         self.component = self._new_component()
-        self._prepared = None
+        self._prepared: WaveVesselOutputs | None = None
         self._last_reading_time = 0.0
-        self._last_status = MruStatus.OK
+        self._last_status: int = MruStatus.OK
 
     def on_tick(self, tick: Tick) -> None:
         """See HeaveNode."""

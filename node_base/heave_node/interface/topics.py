@@ -70,5 +70,4 @@ def tick_part_topic(node: str) -> Topic:
 
 def is_part(name: str) -> bool:
     """Return whether a topic with the resolved `name` carries parts of ticks."""
-    of_master = (f"/{topic.name}" for topic in (TICK_AHEAD, TICK_LEAD, TICK_PAST))
-    return name.endswith(tuple(of_master)) or f"/{_PART}" in name
+    return name.endswith((f"/{TICK_AHEAD.name}", f"/{TICK_LEAD.name}", f"/{TICK_PAST.name}")) or f"/{_PART}" in name

@@ -8,13 +8,11 @@ when the others have answered.
 from __future__ import annotations
 
 import time
-from typing import Any, NamedTuple
 
 from heave_msgs.msg import TickJoin, TickRoster, TickStatus
 from heave_msgs.srv import StepSimulation
 from rclpy.duration import Duration
 from rclpy.lifecycle import LifecycleState, TransitionCallbackReturn
-from rclpy.publisher import Publisher
 from rclpy.timer import Timer
 from std_srvs.srv import SetBool, Trigger
 
@@ -25,9 +23,8 @@ from heave_node.interface.topic import Topic
 from heave_node.ros.diagnostics import Health, Level, alarm_health
 from heave_node.ros.input_timing import timing_health
 from heave_node.ros.node import HeaveNode, steady_clock
-from heave_node.ros.ports import Output, PassedOn
+from heave_node.ros.ports import PassedOn
 from heave_node.ros.silence import MasterWaits, Patience
-from heave_node.ros.transport.exchange import LocalPublisher
 from heave_node.ros.transport.host_clocks import HostClocks
 from heave_node.ros.transport.identity import describe_sender, host_of, identity_of_endpoint
 from heave_node.ros.transport.qos import mismatches
@@ -56,16 +53,6 @@ LAST_STATUS_TIMEOUT = Duration(seconds=2)
 """Wall time that the last status may take to be acknowledged by every subscriber."""
 
 _CLOCK = Packer(topics.CLOCK.type, ("clock",))
-
-
-class _Protocol(NamedTuple):
-    """Publishers by which the master leads the participants."""
-
-    roster: Publisher[Any] | LocalPublisher
-    status: Publisher[Any] | LocalPublisher
-    start: Output  # of the tick, for nodes of other programs
-    past: PassedOn  # for nodes that may be behind
-    ahead: Output  # of the tick, for nodes that read nothing in it
 
 
 class ClockMasterNode(HeaveNode):
@@ -101,18 +88,11 @@ class ClockMasterNode(HeaveNode):
         self._waits = MasterWaits()
         self._lead = self._ahead = Part()
         self._clock_output = self.add_output(topics.CLOCK)
-        past, ahead = (
-            Output(self.resolve_topic_name(topic.name), self.make_publisher(topic))
-            for topic in (topics.TICK_PAST, topics.TICK_AHEAD)
-        )
-        self._ports.outputs += [past, ahead]
-        self._protocol = _Protocol(
-            self.make_publisher(topics.TICK_ROSTER),
-            self.make_publisher(topics.TICK_STATUS),
-            self.add_apart(topics.TICK_START),
-            PassedOn(past, is_in_memory=self.exchange is not None),
-            ahead,
-        )
+        self._past = PassedOn(self.add_plain(topics.TICK_PAST), is_in_memory=self.exchange is not None)
+        self._ahead_output = self.add_plain(topics.TICK_AHEAD)
+        self._roster_publisher = self.make_publisher(topics.TICK_ROSTER)
+        self._status_publisher = self.make_publisher(topics.TICK_STATUS)
+        self._start = self.add_apart(topics.TICK_START)
         self.create_protocol_subscription(topics.TICK_JOIN, self._on_join)
         for node in peers:
             self.hear_parts(node)
@@ -247,7 +227,7 @@ class ClockMasterNode(HeaveNode):
             self._begin_tick(1)
 
     def _publish_roster(self) -> None:
-        self._protocol.roster.publish(
+        self._roster_publisher.publish(
             TickRoster(
                 epoch=self.epoch,
                 nodes=self.roster.nodes,
@@ -320,7 +300,7 @@ class ClockMasterNode(HeaveNode):
         """Let those that read nothing in a `tick`, or in the `flush`, begin it; once."""
         if (self._ahead.tick, self._ahead.epoch) != (tick.number, tick.epoch):
             self._ahead = Part(tick.number, tick.epoch, self.roster.counters, (), 0, tick.start_nanoseconds, flush)
-            self.send_part(self._ahead, self._protocol.ahead)
+            self.send_part(self._ahead, self._ahead_output)
 
     def _send_start(self, tick: Tick, *, flush: bool) -> None:
         self._announce(tick, flush=flush)
@@ -330,9 +310,9 @@ class ClockMasterNode(HeaveNode):
         self.gate.begin(self.epoch, tick.number, counters)
         self._lead = Part(tick.number, self.epoch, counters, carried, 0, tick.start_nanoseconds, flush)
         self._send_lead()
-        self._protocol.past.add(0, self._lead)
-        if flush or self._protocol.past.is_due(tick.number):
-            self._send_past()
+        self._past.add(0, self._lead)
+        if flush or self._past.is_due(tick.number):
+            self._past.send(self.tick_number, self.epoch)
         if self._waits.has_recovered():
             self.get_logger().info("all nodes answer again")
             self.publish_protocol_notice("all nodes answer again", Level.OK)
@@ -340,11 +320,8 @@ class ClockMasterNode(HeaveNode):
 
     def _send_lead(self) -> None:
         self.send_part(self._lead)
-        if self._protocol.start.is_heard:
-            self._protocol.start.publish_uncounted(self._lead.to_start())
-
-    def _send_past(self, *, again: bool = False) -> None:
-        self._protocol.past.send(self.tick_number, self.epoch, again=again)
+        if self._start.is_heard:
+            self._start.publish_uncounted(self._lead.to_start())
 
     @property
     def part_topic(self) -> Topic:
@@ -359,7 +336,7 @@ class ClockMasterNode(HeaveNode):
         expect_sender(identity, participant.identity)
         expect_no(malformed.fault_in_part(part, len(participant.outputs)))
         if is_whole and self.take_messages(node, part.published[0], part) and part.messages and self.run.is_lockstep:
-            self._protocol.past.add(participant.entry, part)
+            self._past.add(participant.entry, part)
         if part.epoch == self.epoch:
             self.roster.answer(node, part.tick, part.published)
             participant.lost = part.lost
@@ -405,7 +382,7 @@ class ClockMasterNode(HeaveNode):
             self._begin_flush()
         elif self._pause_at is not None and self.tick_number >= self._pause_at:
             self.run_state = TickStatus.PAUSED
-            self._send_past()
+            self._past.send(self.tick_number, self.epoch)
         else:
             self._begin_tick(self.tick_number + 1)
 
@@ -531,12 +508,12 @@ class ClockMasterNode(HeaveNode):
         """Tell the others how the run ended, whatever the reason."""
         if self.run_state != TickStatus.ENDED:
             self.run_state, self._reason = TickStatus.FAILED, self.failure
-        self._send_past()
+        self._past.send(self.tick_number, self.epoch)
         self._publish_status()
 
     def wait_until_heard(self) -> None:
         """Wait until the others have the last status."""
-        self._protocol.status.wait_for_all_acked(LAST_STATUS_TIMEOUT)
+        self._status_publisher.wait_for_all_acked(LAST_STATUS_TIMEOUT)
 
     # Supervision in wall time --------------------------------------------------------------------------------------
 
@@ -563,9 +540,9 @@ class ClockMasterNode(HeaveNode):
             self.timing.resends += 1
             self.send_again_alone(self._lead)
             self._publish_roster()
-            self.send_part(self._ahead, self._protocol.ahead)
+            self.send_part(self._ahead, self._ahead_output)
             self._send_lead()
-            self._send_past(again=True)
+            self._past.send(self.tick_number, self.epoch, again=True)
         behind = self.roster.unanswered(self.tick_number, flush=self._lead.flush)
         text = "; ".join(
             f"{p.name} has not finished tick {p.answered + 1}"
@@ -598,7 +575,7 @@ class ClockMasterNode(HeaveNode):
         time_now = self.tick.time if self.tick is not None else 0.0
         factor = self.timing.overall_factor if is_over else self.timing.real_time_factor
         totals = self.roster.published_by_topic() if is_over else {}
-        self._protocol.status.publish(
+        self._status_publisher.publish(
             TickStatus(
                 state=self.run_state,
                 reason=self._reason,

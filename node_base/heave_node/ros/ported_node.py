@@ -363,11 +363,15 @@ class PortedNode(LifecycleNode):
         kind = message_type(topic.type)
         return self.create_subscription(kind, name, callback, qos, raw=True, qos_overriding_options=options)
 
+    def add_plain(self, topic: Topic) -> Output:
+        """Return an output for a `topic` of the protocol, for which the start of the run waits."""
+        self._ports.outputs.append(Output(self.resolve_topic_name(topic.name), self.make_publisher(topic)))
+        return self._ports.outputs[-1]
+
     def add_apart(self, topic: Topic) -> Output:
         """Return an output for a `topic` of the protocol that only nodes of other programs hear."""
-        output = Output(self.resolve_topic_name(topic.name), self.make_publisher(topic))
-        self._ports.apart.append(output)
-        return output
+        self._ports.apart.append(Output(self.resolve_topic_name(topic.name), self.make_publisher(topic)))
+        return self._ports.apart[-1]
 
     def _refuse_unused_overrides(self) -> None:
         """Refuse a quality of service for a topic that this node does not have: it would be lost silently."""
