@@ -35,6 +35,10 @@ class WaveVesselNode(ParticipantNode):
     parameters_type = WaveVesselParameters
     tension: Input | None = None  # of the cable, where the ship responds to it
 
+    def __init__(self) -> None:
+        super().__init__()
+        self.starts_ahead = not self.parameters.load_response.displacement  # then it reads the tension
+
     def on_build(self) -> None:
         """See HeaveNode. Compiles the sum of components by asking for the first motion."""
         self.on_reset()
@@ -96,11 +100,6 @@ class WaveVesselNode(ParticipantNode):
         """See ParticipantNode. A sea without a load waits for nobody, and the controller need not wait for the sea."""
         if self.tension is None:
             self._prepared = self.component.step(number)
-
-    @property
-    def starts_ahead(self) -> bool:
-        """See ParticipantNode: it reads the tension alone, where the ship responds to it."""
-        return not self.parameters.load_response.displacement
 
     @property
     def next_tick(self) -> int:
