@@ -108,6 +108,7 @@ class LoopNode(ParticipantNode):
 
 class Sea(LoopNode):
     name = "wave_vessel"
+    starts_ahead = True
 
     def on_build(self) -> None:
         self.mru = self.add_output(topics.MRU)

@@ -70,6 +70,33 @@ def test_a_clock_master_in_real_time_reports_when_the_tick_has_begun(is_lockstep
     assert master.order == ["on_readings", *last]
 
 
+@pytest.mark.parametrize(
+    ("number", "pause_at", "follows"), [(3, None, "_begin_tick"), (9, None, "_begin_flush"), (3, 3, "send")]
+)
+def test_a_node_that_reads_nothing_begins_a_tick_before_the_plant_integrates_where_one_follows(
+    number, pause_at, follows
+):
+    master = Noted(run=run_of(is_lockstep=True), tick_number=number, _reset_wanted=False, _pause_at=pause_at)
+    master._past = SimpleNamespace(send=lambda *_: master.order.append("send"))
+    master._begin_what_follows = lambda: ClockMasterNode._begin_what_follows(master)
+    ClockMasterNode._end_tick(master, Tick(number, 1, 50_000_000))
+    assert master.order == [*["_announce"] * (follows == "_begin_tick"), "on_advance", follows]
+
+
+def test_a_tick_is_announced_once_to_nodes_that_read_nothing_in_it_and_again_as_the_end_of_a_run():
+    sent = []
+    master = Noted(
+        run=run_of(is_lockstep=True),
+        roster=SimpleNamespace(counters=[4, 2]),
+        _ahead=Part(),
+        _ahead_output=None,
+        send_part=lambda part, _: sent.append(part),
+    )
+    for number, flush in ((3, False), (3, False), (4, True)):
+        ClockMasterNode._announce(master, Tick(number, 1, 50_000_000), flush=flush)
+    assert sent == [Part(3, 1, [4, 2], stamp=150_000_000), Part(4, 1, [4, 2], stamp=200_000_000, flush=True)]
+
+
 @pytest.mark.parametrize("is_lockstep", [True, False])
 def test_a_node_that_lags_reports_in_real_time_alone(is_lockstep):
     node = Noted(run=run_of(is_lockstep=is_lockstep), lag=20)

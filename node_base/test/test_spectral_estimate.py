@@ -54,7 +54,9 @@ def test_white_noise_is_flat_with_the_scatter_of_its_degrees_of_freedom():
     inner = estimate.density[2:-1]  # below, the mean that is taken off each segment is missing
     # white noise of variance 1 over 0 to pi / DT
     assert inner.mean() == pytest.approx(DT / math.pi, rel=0.01)
-    assert inner.std() / inner.mean() == pytest.approx(math.sqrt(2.0 / estimate.degrees_of_freedom), rel=0.25)
+    count = len(estimate.segments)
+    freedom = 36.0 * count**2 / (19.0 * count - 1.0)  # of half-overlapping Hann segments: Welch 1967
+    assert inner.std() / inner.mean() == pytest.approx(math.sqrt(2.0 / freedom), rel=0.25)
 
 
 def test_the_integral_over_a_sine_is_half_its_amplitude_squared():

@@ -26,7 +26,8 @@ def publisher(topic, kind):
     return node.create_publisher(kind, topic.name, qos_of(topic.role))
 mru, command = publisher(topics.MRU, MruSample), publisher(topics.WINCH_COMMAND, WinchCommand)
 join, roster = publisher(topics.TICK_JOIN, TickJoin), publisher(topics.TICK_ROSTER, TickRoster)
-lead, status = publisher(topics.TICK_LEAD, TickPart), publisher(topics.TICK_STATUS, TickStatus)
+lead, ahead = publisher(topics.TICK_LEAD, TickPart), publisher(topics.TICK_AHEAD, TickPart)
+status = publisher(topics.TICK_STATUS, TickStatus)
 part = publisher(topics.tick_part_topic("wave_vessel"), TickPart)
 def hear(period):  # all that has come: one message at a time is slower than they come
     end = time.monotonic() + period
@@ -47,11 +48,13 @@ while not is_over:
     join.publish(b"\\x00\\x01\\x00\\x00\\xff\\xff\\xff\\xff")
     roster.publish(TickRoster(epoch=7, tick_period=float("nan"), nodes=["nobody"]))
     lead.publish(TickPart(epoch=7, tick=10**6, published=[1]))
+    ahead.publish(TickPart(epoch=1, tick=10**6, published=[1]))
     lead.publish(b"\\x00\\x01\\x00\\x00" + bytes([255] * 60))
     status.publish(TickStatus(state=TickStatus.FAILED, topics=["/mru"]))
     part.publish(TickPart(epoch=1, tick=10**6, published=[1] * 99, outputs=[98], sizes=[1], data=[0]))
     hear(0.005)
-    if not is_found and part.get_subscription_count() >= 1 and lead.get_subscription_count() >= 3:
+    count = part.get_subscription_count(), ahead.get_subscription_count(), lead.get_subscription_count()
+    if not is_found and all(seen >= wanted for seen, wanted in zip(count, (1, 1, 2))):
         is_found = True
         print("found", flush=True)
 hear(1.0)
@@ -92,6 +95,7 @@ def test_in_lockstep_a_stranger_shifts_nothing_and_is_named(loop):
     assert "publishes on /mru" in errors["cable_sim: strangers"]
     assert "publishes on /_tick/part/wave_vessel" in errors["winch_controller: strangers"]
     assert "publishes on /_tick/lead" in errors["winch_controller: strangers"]
+    assert "publishes on /_tick/ahead" in errors["wave_vessel: strangers"]
     assert "Traceback" not in err
     assert [loop.end(name)[0] for name in ("wave_vessel", "winch_controller", "virtual_winch")] == [0, 0, 0]
 

@@ -87,6 +87,7 @@ def record_statistics(
     crossing = 2.0 * math.pi * math.sqrt(m0.target / m2.target)
     estimate = estimate_spectrum(elevation, period, segment=segment)
     peak = 2.0 * math.pi / float(estimate.omega[np.argmax(estimate.density)])
+    freedom = degrees_of_freedom(len(estimate.segments))
     return RecordStatistics(
         m0,
         m2,
@@ -96,8 +97,13 @@ def record_statistics(
             crossing,
             0.5 * _NORMAL_95 * crossing * math.sqrt(max(relative, 0.0)),
         ),
-        Estimate(peak, spectrum.peak_period, _peak_half_width(spectrum, estimate.degrees_of_freedom, segment)),
+        Estimate(peak, spectrum.peak_period, _peak_half_width(spectrum, freedom, segment)),
     )
+
+
+def degrees_of_freedom(segments: int) -> float:
+    """Return those of a density by half-overlapping Hann `segments`, k: 36 k^2 / (19 k - 1) (Welch 1967)."""
+    return 36.0 * segments**2 / (19.0 * segments - 1.0)
 
 
 def _peak_half_width(spectrum: WaveSpectrum, freedom: float, segment: float) -> float:

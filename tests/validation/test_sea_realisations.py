@@ -25,7 +25,7 @@ from wave_vessel_node.sea.spectra import (
 from wave_vessel_node.sea.spectrum_files import read_spectra
 from wave_vessel_node.sources.filtered import FilterSource
 
-from tests.validation.record_statistics import record_statistics
+from tests.validation.record_statistics import degrees_of_freedom, record_statistics
 
 ROOT = Path(__file__).parents[2]
 SAMPLE = ROOT / "wave_vessel_node" / "test" / "data" / "real_time.data_spec"
@@ -60,7 +60,7 @@ def through_window(density, omega: np.ndarray) -> np.ndarray:
 def assert_within_band(record, density, lowest, highest):
     """Most frequencies lie in their 95 % band, none beyond the 1e-6 one."""
     welch = estimate_spectrum(record, DT, segment=SEGMENT)
-    omega, estimate, freedom = welch.omega, welch.density, welch.degrees_of_freedom
+    omega, estimate, freedom = welch.omega, welch.density, degrees_of_freedom(len(welch.segments))
     band = (omega > lowest) & (omega < highest)
     expected = through_window(density, omega[band])
     band[band], expected = expected > 1e-3 * expected.max(), expected[expected > 1e-3 * expected.max()]

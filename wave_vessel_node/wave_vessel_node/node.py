@@ -35,10 +35,13 @@ class WaveVesselNode(ParticipantNode):
     parameters_type = WaveVesselParameters
     tension: Input | None = None  # of the cable, where the ship responds to it
 
+    def __init__(self) -> None:
+        super().__init__()
+        self.starts_ahead = not self.parameters.load_response.displacement  # then it reads the tension
+
     def on_build(self) -> None:
         """See HeaveNode. Compiles the sum of components by asking for the first motion."""
-        self.component = self._new_component()
-        self._prepared: WaveVesselOutputs | None = None
+        self.on_reset()
         self.sea_state = self.add_output(topics.SEA_STATE)
         self.waves = self.add_output(topics.WAVE_COMPONENTS)
         self.estimate = self.add_output(topics.SEA_STATE_ESTIMATE)
@@ -53,16 +56,14 @@ class WaveVesselNode(ParticipantNode):
         answers = self.parameters.load_response.displacement > 0.0
         self.tension = self.add_input(topics.CABLE_STATE, ("top_tension",), holds_ahead=True) if answers else None
         self._mru_messages = SensorMessages(MRU)
-        self._last_reading_time = 0.0
-        self._last_status: int = MruStatus.OK
         FaultService(self, self._faults)
 
     def on_reset(self) -> None:
         """See HeaveNode."""
         self.component = self._new_component()
-        self._prepared = None
+        self._prepared: WaveVesselOutputs | None = None
         self._last_reading_time = 0.0
-        self._last_status = MruStatus.OK
+        self._last_status: int = MruStatus.OK
 
     def on_tick(self, tick: Tick) -> None:
         """See HeaveNode."""
@@ -93,9 +94,7 @@ class WaveVesselNode(ParticipantNode):
         """See ParticipantNode. The sea goes on."""
         self._outputs_of(tick)
 
-    def on_left_out(self, tick: Tick) -> None:
-        """See ParticipantNode: the sea goes on."""
-        self._outputs_of(tick)
+    on_left_out = on_inactive_tick
 
     def prepare(self, number: int) -> None:
         """See ParticipantNode. A sea without a load waits for nobody, and the controller need not wait for the sea."""

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import os
-
 from heave_msgs.msg import Observations as ObservationsMessage
 from heave_node.interface import topics
 from heave_node.ros.diagnostics import Health, Level, alarm_health
@@ -15,7 +13,7 @@ from rclpy.serialization import deserialize_message
 
 from winch_controller_node.advice import answering
 from winch_controller_node.advice.answering import Answering
-from winch_controller_node.advice.worker import NICENESS, Answer, Worker, WorkerError
+from winch_controller_node.advice.worker import Answer, Worker, WorkerError
 from winch_controller_node.adviser.component import Adviser
 from winch_controller_node.beliefs.beliefs import latency_ticks
 from winch_controller_node.interface.alarms import ALARMS
@@ -59,8 +57,6 @@ class WinchAdviserNode(ParticipantNode):
         self.add_raw_input(topics.CONTROLLER_OBSERVATIONS, comes_alone=True)
         self._topic = self.resolve_topic_name(topics.CONTROLLER_OBSERVATIONS.name)
         self._has_worker = not self.run.is_lockstep and self.exchange is not None
-        if not (self.run.is_lockstep or self._has_worker):
-            os.nice(NICENESS)
         self._begin()
 
     def _begin(self) -> None:

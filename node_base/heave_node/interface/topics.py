@@ -52,6 +52,7 @@ TICK_JOIN = Topic("_tick/join", "heave_msgs/msg/TickJoin", "")
 TICK_ROSTER = Topic("_tick/roster", "heave_msgs/msg/TickRoster", "", Role.LATCHED)
 TICK_START = Topic("_tick/start", "heave_msgs/msg/TickStart", "")
 TICK_STATUS = Topic("_tick/status", "heave_msgs/msg/TickStatus", "", Role.LATCHED)
+TICK_AHEAD = Topic("_tick/ahead", "heave_msgs/msg/TickPart", "")
 TICK_LEAD = Topic("_tick/lead", "heave_msgs/msg/TickPart", "")
 TICK_PAST = Topic("_tick/past", "heave_msgs/msg/TickPart", "")
 _PART = "_tick/part/"
@@ -69,4 +70,4 @@ def tick_part_topic(node: str) -> Topic:
 
 def is_part(name: str) -> bool:
     """Return whether a topic with the resolved `name` carries parts of ticks."""
-    return name.endswith((f"/{TICK_LEAD.name}", f"/{TICK_PAST.name}")) or f"/{_PART}" in name
+    return name.endswith((f"/{TICK_AHEAD.name}", f"/{TICK_LEAD.name}", f"/{TICK_PAST.name}")) or f"/{_PART}" in name

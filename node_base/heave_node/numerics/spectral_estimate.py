@@ -39,12 +39,6 @@ class SpectralEstimate:
         """Mean of the periodograms [unit^2 s/rad], shape (f,)."""
         return np.asarray(self.segments.mean(axis=0))
 
-    @property
-    def degrees_of_freedom(self) -> float:
-        """Degrees of freedom of a density: 36 k^2 / (19 k - 1) for k half-overlapping Hann segments (Welch 1967)."""
-        count = len(self.segments)
-        return 36.0 * count**2 / (19.0 * count - 1.0)
-
 
 def segment_size(segment: float, period: float) -> int:
     """Return the samples of a segment of about `segment` [s], an even number of at least 2, `period` [s] apart."""

@@ -8,14 +8,11 @@ when the others have answered.
 from __future__ import annotations
 
 import time
-from functools import partial
-from typing import Any, NamedTuple
 
 from heave_msgs.msg import TickJoin, TickRoster, TickStatus
 from heave_msgs.srv import StepSimulation
 from rclpy.duration import Duration
 from rclpy.lifecycle import LifecycleState, TransitionCallbackReturn
-from rclpy.publisher import Publisher
 from rclpy.timer import Timer
 from std_srvs.srv import SetBool, Trigger
 
@@ -26,9 +23,8 @@ from heave_node.interface.topic import Topic
 from heave_node.ros.diagnostics import Health, Level, alarm_health
 from heave_node.ros.input_timing import timing_health
 from heave_node.ros.node import HeaveNode, steady_clock
-from heave_node.ros.ports import Output, PassedOn
+from heave_node.ros.ports import PassedOn
 from heave_node.ros.silence import MasterWaits, Patience
-from heave_node.ros.transport.exchange import LocalPublisher
 from heave_node.ros.transport.host_clocks import HostClocks
 from heave_node.ros.transport.identity import describe_sender, host_of, identity_of_endpoint
 from heave_node.ros.transport.qos import mismatches
@@ -57,15 +53,6 @@ LAST_STATUS_TIMEOUT = Duration(seconds=2)
 """Wall time that the last status may take to be acknowledged by every subscriber."""
 
 _CLOCK = Packer(topics.CLOCK.type, ("clock",))
-
-
-class _Protocol(NamedTuple):
-    """Publishers by which the master leads the participants."""
-
-    roster: Publisher[Any] | LocalPublisher
-    status: Publisher[Any] | LocalPublisher
-    start: Output  # of the tick, for nodes of other programs
-    past: PassedOn  # for nodes that may be behind
 
 
 class ClockMasterNode(HeaveNode):
@@ -99,16 +86,13 @@ class ClockMasterNode(HeaveNode):
         self._reset_wanted = False
         self._clock_started_at = 0.0
         self._waits = MasterWaits()
-        self._lead = Part()
+        self._lead = self._ahead = Part()
         self._clock_output = self.add_output(topics.CLOCK)
-        past = topics.TICK_PAST
-        self._ports.outputs.append(Output(self.resolve_topic_name(past.name), self.make_publisher(past)))
-        self._protocol = _Protocol(
-            self.make_publisher(topics.TICK_ROSTER),
-            self.make_publisher(topics.TICK_STATUS),
-            self.add_apart(topics.TICK_START),
-            PassedOn(self._ports.outputs[-1], is_in_memory=self.exchange is not None),
-        )
+        self._past = PassedOn(self.add_plain(topics.TICK_PAST), is_in_memory=self.exchange is not None)
+        self._ahead_output = self.add_plain(topics.TICK_AHEAD)
+        self._roster_publisher = self.make_publisher(topics.TICK_ROSTER)
+        self._status_publisher = self.make_publisher(topics.TICK_STATUS)
+        self._start = self.add_apart(topics.TICK_START)
         self.create_protocol_subscription(topics.TICK_JOIN, self._on_join)
         for node in peers:
             self.hear_parts(node)
@@ -243,7 +227,7 @@ class ClockMasterNode(HeaveNode):
             self._begin_tick(1)
 
     def _publish_roster(self) -> None:
-        self._protocol.roster.publish(
+        self._roster_publisher.publish(
             TickRoster(
                 epoch=self.epoch,
                 nodes=self.roster.nodes,
@@ -257,8 +241,8 @@ class ClockMasterNode(HeaveNode):
 
     def _appoint_speakers(self) -> dict[str, Speakers]:
         """Return who may publish on each topic that one node owns, by resolved name."""
-        of_master = (topics.TICK_ROSTER, topics.TICK_START, topics.TICK_LEAD, topics.TICK_PAST, topics.TICK_STATUS)
-        lawful = {topic.name: [self.identity] for topic in of_master}
+        of_master = (topics.TICK_AHEAD, topics.TICK_LEAD, topics.TICK_PAST, topics.TICK_START)
+        lawful = {topic.name: [self.identity] for topic in (*of_master, topics.TICK_ROSTER, topics.TICK_STATUS)}
         for p in self.roster.participants.values():
             of_node = (topics.tick_done_topic(p.name), topics.tick_part_topic(p.name))
             lawful |= {topic.name: [p.identity] for topic in of_node}
@@ -312,16 +296,23 @@ class ClockMasterNode(HeaveNode):
         self.on_readings(tick)
         self.report(tick, is_answered=False)
 
+    def _announce(self, tick: Tick, *, flush: bool = False) -> None:
+        """Let those that read nothing in a `tick`, or in the `flush`, begin it; once."""
+        if (self._ahead.tick, self._ahead.epoch) != (tick.number, tick.epoch):
+            self._ahead = Part(tick.number, tick.epoch, self.roster.counters, (), 0, tick.start_nanoseconds, flush)
+            self.send_part(self._ahead, self._ahead_output)
+
     def _send_start(self, tick: Tick, *, flush: bool) -> None:
+        self._announce(tick, flush=flush)
         carried = self.take_carried()
         self.roster.answer(self.name, tick.number, self.published_counts())
         counters = self.roster.counters
         self.gate.begin(self.epoch, tick.number, counters)
         self._lead = Part(tick.number, self.epoch, counters, carried, 0, tick.start_nanoseconds, flush)
         self._send_lead()
-        self._protocol.past.add(0, self._lead)
-        if flush or self._protocol.past.is_due(tick.number):
-            self._send_past()
+        self._past.add(0, self._lead)
+        if flush or self._past.is_due(tick.number):
+            self._past.send(self.tick_number, self.epoch)
         if self._waits.has_recovered():
             self.get_logger().info("all nodes answer again")
             self.publish_protocol_notice("all nodes answer again", Level.OK)
@@ -329,11 +320,8 @@ class ClockMasterNode(HeaveNode):
 
     def _send_lead(self) -> None:
         self.send_part(self._lead)
-        if self._protocol.start.is_heard:
-            self._protocol.start.publish_uncounted(self._lead.to_start())
-
-    def _send_past(self, *, again: bool = False) -> None:
-        self._protocol.past.send(self.tick_number, self.epoch, again=again)
+        if self._start.is_heard:
+            self._start.publish_uncounted(self._lead.to_start())
 
     @property
     def part_topic(self) -> Topic:
@@ -348,7 +336,7 @@ class ClockMasterNode(HeaveNode):
         expect_sender(identity, participant.identity)
         expect_no(malformed.fault_in_part(part, len(participant.outputs)))
         if is_whole and self.take_messages(node, part.published[0], part) and part.messages and self.run.is_lockstep:
-            self._protocol.past.add(participant.entry, part)
+            self._past.add(participant.entry, part)
         if part.epoch == self.epoch:
             self.roster.answer(node, part.tick, part.published)
             participant.lost = part.lost
@@ -368,8 +356,7 @@ class ClockMasterNode(HeaveNode):
             self._end_of_flush()
             return
         if self.run.is_lockstep:
-            self.fail_on_error(lambda: self.on_advance(tick))
-            self._begin_what_follows()
+            self._end_tick(tick)
         else:
             after_tick()
 
@@ -379,6 +366,14 @@ class ClockMasterNode(HeaveNode):
             return True
         return self._lead.flush and not self.run.is_lockstep and self._patience.is_over(self.gate.lost())
 
+    def _end_tick(self, tick: Tick) -> None:
+        """Integrate to the end of a `tick`, and go on; who reads nothing in the next one works meanwhile."""
+        last = self.run.tick_count if self._pause_at is None else min(self._pause_at, self.run.tick_count)
+        if tick.number < last and not self._reset_wanted:
+            self._announce(Tick(tick.number + 1, self.epoch, self.run.tick_nanoseconds))
+        self.fail_on_error(lambda: self.on_advance(tick))
+        self._begin_what_follows()
+
     def _begin_what_follows(self) -> None:
         """Go on after a tick: to the next one, to the end, to a pause or to a new run."""
         if self.failure:
@@ -387,7 +382,7 @@ class ClockMasterNode(HeaveNode):
             self._begin_flush()
         elif self._pause_at is not None and self.tick_number >= self._pause_at:
             self.run_state = TickStatus.PAUSED
-            self._send_past()
+            self._past.send(self.tick_number, self.epoch)
         else:
             self._begin_tick(self.tick_number + 1)
 
@@ -405,8 +400,7 @@ class ClockMasterNode(HeaveNode):
             tick = self.tick
             if tick is not None:
                 self._note_end_of(tick)
-                self.fail_on_error(partial(self.on_advance, tick))
-                self._begin_what_follows()
+                self._end_tick(tick)
             else:
                 self._begin_tick(1)
             self.own_time.ended()
@@ -514,12 +508,12 @@ class ClockMasterNode(HeaveNode):
         """Tell the others how the run ended, whatever the reason."""
         if self.run_state != TickStatus.ENDED:
             self.run_state, self._reason = TickStatus.FAILED, self.failure
-        self._send_past()
+        self._past.send(self.tick_number, self.epoch)
         self._publish_status()
 
     def wait_until_heard(self) -> None:
         """Wait until the others have the last status."""
-        self._protocol.status.wait_for_all_acked(LAST_STATUS_TIMEOUT)
+        self._status_publisher.wait_for_all_acked(LAST_STATUS_TIMEOUT)
 
     # Supervision in wall time --------------------------------------------------------------------------------------
 
@@ -546,8 +540,9 @@ class ClockMasterNode(HeaveNode):
             self.timing.resends += 1
             self.send_again_alone(self._lead)
             self._publish_roster()
+            self.send_part(self._ahead, self._ahead_output)
             self._send_lead()
-            self._send_past(again=True)
+            self._past.send(self.tick_number, self.epoch, again=True)
         behind = self.roster.unanswered(self.tick_number, flush=self._lead.flush)
         text = "; ".join(
             f"{p.name} has not finished tick {p.answered + 1}"
@@ -580,7 +575,7 @@ class ClockMasterNode(HeaveNode):
         time_now = self.tick.time if self.tick is not None else 0.0
         factor = self.timing.overall_factor if is_over else self.timing.real_time_factor
         totals = self.roster.published_by_topic() if is_over else {}
-        self._protocol.status.publish(
+        self._status_publisher.publish(
             TickStatus(
                 state=self.run_state,
                 reason=self._reason,

@@ -28,7 +28,6 @@ from heave_node.interface.topic import Topic
 from heave_node.ros.diagnostics import Health, Level, alarm_health, diagnostic_array
 from heave_node.ros.input_timing import TickTiming
 from heave_node.ros.ported_node import PortedNode
-from heave_node.ros.ports import Output
 from heave_node.ros.transport.real_time import collect_between_ticks, take_priority
 from heave_node.tick.tick import Tick
 
@@ -92,9 +91,7 @@ class HeaveNode(PortedNode):
         """Build the component and join the tick protocol; `state` is the lifecycle state before."""
         self._ports.before = self._entities()
         self._ports.join = self.make_publisher(topics.TICK_JOIN)
-        part = self.part_topic
-        self._ports.part = Output(self.resolve_topic_name(part.name), self.make_publisher(part))
-        self._ports.outputs.append(self._ports.part)
+        self._ports.part = self.add_plain(self.part_topic)
         try:
             self._diagnostics = self.add_output(topics.DIAGNOSTICS)
             self.own_time = TickTiming(self.name, self.run.time_budget_of(self.name), self.run.tick_period)

@@ -41,10 +41,13 @@ class ParticipantNode(HeaveNode):
 
     A node sets `name`, `parameters_type` and `after`, makes its component, inputs and outputs in `on_build`, and does
     its part of a tick in `on_tick`. `lag` is the number of ticks that it may be behind the others (a recorder).
+    `starts_ahead`: it reads nothing within ticks, and begins each while the plant integrates to its start.
     `punctuality` reports, in real time, whether ticks began late or this node was. A node that is behind in real time
     makes up for the ticks that it missed, and, where that takes too long, jumps to the newest one: `on_left_out` gets
     those between.
     """
+
+    starts_ahead: bool = False
 
     def on_tick(self, tick: Tick) -> None:
         """Do this node's part of `tick`: take the inputs, step the component, publish the outputs."""
@@ -78,7 +81,7 @@ class ParticipantNode(HeaveNode):
         if self.hears_past:
             self.subscribe_to_parts(topics.TICK_PAST, self._on_past, Past)
         else:
-            self.subscribe_to_parts(topics.TICK_LEAD, self._on_lead)
+            self.subscribe_to_parts(topics.TICK_AHEAD if self.starts_ahead else topics.TICK_LEAD, self._on_lead)
         self.create_protocol_subscription(topics.TICK_STATUS, self._on_status)
         for node in self.gate.after:
             self.hear_parts(node)

@@ -291,9 +291,9 @@ class PortedNode(LifecycleNode):
         self._ports.part.published += 1
         return carried
 
-    def send_part(self, part: Part) -> None:
-        """Send a `part`, also again: whoever has it knows it by its number."""
-        self._ports.part.publish_uncounted(part.to_bytes() if self.exchange is None else part)
+    def send_part(self, part: Part, output: Output | None = None) -> None:
+        """Send a `part`, on the output of this node's parts or another, also again: it is known by its number."""
+        (output or self._ports.part).publish_uncounted(part.to_bytes() if self.exchange is None else part)
 
     def send_again_alone(self, part: Part) -> None:
         """Send the messages of a `part` again by themselves, where programs take part that have no parts.
@@ -363,11 +363,15 @@ class PortedNode(LifecycleNode):
         kind = message_type(topic.type)
         return self.create_subscription(kind, name, callback, qos, raw=True, qos_overriding_options=options)
 
+    def add_plain(self, topic: Topic) -> Output:
+        """Return an output for a `topic` of the protocol, for which the start of the run waits."""
+        self._ports.outputs.append(Output(self.resolve_topic_name(topic.name), self.make_publisher(topic)))
+        return self._ports.outputs[-1]
+
     def add_apart(self, topic: Topic) -> Output:
         """Return an output for a `topic` of the protocol that only nodes of other programs hear."""
-        output = Output(self.resolve_topic_name(topic.name), self.make_publisher(topic))
-        self._ports.apart.append(output)
-        return output
+        self._ports.apart.append(Output(self.resolve_topic_name(topic.name), self.make_publisher(topic)))
+        return self._ports.apart[-1]
 
     def _refuse_unused_overrides(self) -> None:
         """Refuse a quality of service for a topic that this node does not have: it would be lost silently."""

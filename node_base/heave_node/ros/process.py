@@ -27,7 +27,7 @@ from heave_node.ros.transport.environment import is_bound_to_loopback, prepare_e
 from heave_node.ros.transport.exchange import Exchange
 from heave_node.ros.transport.exposure import exposed_ports, own_sockets
 from heave_node.ros.transport.parents_death import close_with, end_with, exit_at_once, launcher_of
-from heave_node.ros.transport.real_time import between_looks
+from heave_node.ros.transport.real_time import NICENESS, between_looks
 from heave_node.ros.transport.watchdog import watched_end, watched_start
 
 EXIT_OK = 0
@@ -131,6 +131,8 @@ def _start(node: HeaveNode) -> None:
 
 def _spin_one(nodes: Sequence[HeaveNode]) -> None:
     (node,) = nodes
+    if node.hears_past:  # who may be behind gives way to those that a tick waits for
+        os.nice(NICENESS)
     node.fail_on_error(lambda: spin(node, node.finished, lambda: _on_idle(node)))
     _leave(node)
 

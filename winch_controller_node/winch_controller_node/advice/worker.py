@@ -11,10 +11,10 @@ from collections import deque
 from collections.abc import Callable
 from multiprocessing.connection import Connection
 
+from heave_node.ros.transport.real_time import NICENESS
+
 MOST_WAITING = 30
 """Questions that wait for a worker that is behind; beyond that the oldest are dropped."""
-NICENESS = 5
-"""Steps of priority (nice) by which a process beside the loop is below it."""
 
 ENDED = "its process has ended"
 

@@ -13,6 +13,7 @@ from dataclasses import replace
 from types import MappingProxyType
 
 import numpy as np
+import scipy.optimize  # noqa: F401  # the first design would load it, within a tick
 
 from winch_controller_node.adviser.filter_pass import SETTLING
 from winch_controller_node.adviser.hypothesis import (

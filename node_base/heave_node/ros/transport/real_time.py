@@ -16,6 +16,9 @@ OLD = 20
 MUCH = 10_000
 """Objects that a node may leave without a tick: more than any tick does, and a millisecond to collect."""
 
+NICENESS = 5
+"""Steps of priority (nice) by which a process beside the loop is below it."""
+
 _MCL_CURRENT, _MCL_FUTURE, _MCL_ONFAULT = 1, 2, 4
 
 
