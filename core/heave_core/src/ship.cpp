@@ -233,7 +233,7 @@ int observe_count(const Design &design, State &state, const Readings &readings, 
     // as the winch follows the sea, or less and less of it, and nothing else, within the bounds on what is sent
     const double change = std::min(std::abs(step - sent), std::abs(step - state.step));
     const bool is_next = !is_first && time < 1.5 * dt;
-    if (is_jump || (is_next && change > bounds.count_step)) {
+    if (is_jump || (is_next && change > std::min(bounds.count_step, stroke_limit(bounds, state)))) {
         state.unproved = bounds.travel_margin;
         state.strayed = 0.0;
     }
