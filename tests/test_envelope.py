@@ -90,3 +90,7 @@ def test_a_winch_behind_the_envelope_gets_the_orders_of_the_controller_and_the_l
     assert within == ordered
     for topic in OF_THE_LOOP:
         assert [m for m in beside if m[0] == topic] == [m for m in alone if m[0] == topic], topic
+    written = bounded.parent / "scenario.yaml"
+    assert "winch_envelope" in written.read_text(encoding="utf-8"), "among the participants"
+    again = recorded_messages(run_scenario(tmp_path / "again", str(written), duration=DURATION, options=["--composed"]))
+    assert [m for m in again if m[0].startswith("/winch/")] == [m for m in beside if m[0].startswith("/winch/")]
