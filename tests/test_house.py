@@ -46,14 +46,14 @@ FOLDERS = {
 """Folder of each package whose folder has another name."""
 
 BUDGETS = {
-    "core": (4_140, 2_800),
-    "node_base": (12_687, 9_500),
-    "wave_vessel_node": (5_082, 4_400),
+    "core": (4_139, 2_800),
+    "node_base": (12_686, 9_500),
+    "wave_vessel_node": (5_081, 4_400),
     "cable_sim_node": (8_994, 8_500),
-    "winch_controller_node": (18_746, 14_000),
+    "winch_controller_node": (18_704, 14_000),
     "bags": (10_660, 7_700),
     "bringup": (7_711, 6_100),
-    "extras/devices": (7_530, 4_900),
+    "extras/devices": (7_529, 4_900),
     "extras/studies": (12_349, 6_000),
     "extras/statics": (3_190, 1_800),
     "extras/drives": (1_768, 1_768),
