@@ -53,8 +53,8 @@ class WaveVesselNode(ParticipantNode):
         self.preview = self.add_output(topics.HEAVE_PREVIEW) if previews else None
         crane = self.parameters.crane
         self.crane = self.add_output(topics.CRANE_POSE) if crane.is_fitted and crane.pose.fitted else None
-        answers = self.parameters.load_response.displacement > 0.0
-        self.tension = self.add_input(topics.CABLE_STATE, ("top_tension",), holds_ahead=True) if answers else None
+        if not self.starts_ahead:
+            self.tension = self.add_input(topics.CABLE_STATE, ("top_tension",), holds_ahead=True)
         self._mru_messages = SensorMessages(MRU)
         FaultService(self, self._faults)
 
