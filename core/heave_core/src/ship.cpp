@@ -107,12 +107,12 @@ void follow(Spread &spread, double value, double weight) {
     spread.variance = (1.0 - weight) * (spread.variance + weight * off * off);
 }
 
-}  // namespace
-
 // Whether nothing but the sea moves the drum: no move is asked for, and no brake or stop acts.
-static bool moves_with_sea(const State &state, const Readings &readings) {
+bool moves_with_sea(const State &state, const Readings &readings) {
     return readings.brake == 0.0 && state.move.rate == 0.0 && readings.lift_rate == 0.0 && state.phase == FREE;
 }
+
+}  // namespace
 
 // Whose the drift of the count is, the depth sensor can tell: it goes as the nominal unit does, whose payout is the count,
 // where the drum creeps, and the other way than the drift where the count does. Both are smoothed alike, from where they were.
