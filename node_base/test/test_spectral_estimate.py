@@ -15,6 +15,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.signal import welch
 
+from tests.validation.record_statistics import degrees_of_freedom
+
 DT = 0.5
 
 
@@ -54,8 +56,7 @@ def test_white_noise_is_flat_with_the_scatter_of_its_degrees_of_freedom():
     inner = estimate.density[2:-1]  # below, the mean that is taken off each segment is missing
     # white noise of variance 1 over 0 to pi / DT
     assert inner.mean() == pytest.approx(DT / math.pi, rel=0.01)
-    count = len(estimate.segments)
-    freedom = 36.0 * count**2 / (19.0 * count - 1.0)  # of half-overlapping Hann segments: Welch 1967
+    freedom = degrees_of_freedom(len(estimate.segments))
     assert inner.std() / inner.mean() == pytest.approx(math.sqrt(2.0 / freedom), rel=0.25)
 
 
