@@ -140,9 +140,9 @@ class SensorGate:
         """Return how the sensor is seen at `now` [s]."""
         record, newest = self._record, float(self._record["newest_accepted"])
         age = math.inf if math.isnan(newest) else now - newest
-        alarm = None if self.level is SensorLevel.OK else self.alarm
-        accepted, refused = int(record["accepted"]), int(record["refused"])
-        return SensorState(self.sensor, self.level, self.reason, age, accepted, refused, alarm)
+        level, accepted, refused = self.level, int(record["accepted"]), int(record["refused"])
+        alarm = None if level is SensorLevel.OK else self.alarm
+        return SensorState(self.sensor, level, self.reason, age, accepted, refused, alarm)
 
 
 def inconsistency_words(name: str, mean: float) -> str:

@@ -149,9 +149,9 @@ class ModeMachine:
         """Why the mode is what it is; empty while compensation just goes on."""
         if self._has_entered:
             return self._entered
-        now = self._look()
         if self.mode is Mode.COMPENSATING:
-            return f"{COASTING}: {now.lost}" if now.lost else ""
+            return f"{COASTING}: {self._look().lost}" if self.coasts else ""
+        now = self._look()
         if self.mode is Mode.FADE_OUT and self.wants_compensation and now.harm:
             return _harm(now)  # the cause may have become known
         if self.mode is Mode.STANDBY:
