@@ -143,7 +143,7 @@ class KalmanFilter:
     ----------
     design, state : structured arrays of one element, on the memory that C++ reads and writes; a copy of the state is
         the filter at that tick
-    streams : innovation of the last reading by measurement, (m,); NaN: none
+    streams : innovation of the last accepted reading by measurement, (m,); NaN: none
     refusals : in a row, by measurement (m,)
     addresses : of design and state
 

@@ -106,7 +106,7 @@ FILTER_STATE = structure(
     Row("missing_push", "m", "how much further down the model pushes the unit than a slack cable does"),
     Row("x", "", "estimate, (n,)", shape=(STATES,)),
     Row("P", "", "covariance of the estimate, (n, n)", shape=(STATES * STATES,)),
-    Row("streams", "", "innovation of the last reading; NaN: none", shape=(MEASUREMENTS,)),
+    Row("streams", "", "innovation of the last accepted reading; NaN: none", shape=(MEASUREMENTS,)),
     Row("refusals", "", "in a row", COUNTER, (MEASUREMENTS,)),
     Row("commands", "", "ring of what followed a tick", shape=(PAST_TICKS,)),
     Row("counts", "", "ring of the number of readings used of a tick", COUNTER, (PAST_TICKS,)),

@@ -50,8 +50,8 @@ void begin_tick(const Filter &filter, FilterState &state, int tick) {
 }
 
 // Hold a reading against its prediction; return whether it may be used. One that goes on where the last one of its
-// sensor was, used or not, says something of the model, not of the sensor: a step of two innovations, of twice the
-// variance. That many refused in a row are the fault of the filter, whose covariance must be large enough to come back.
+// sensor was says something of the model, not of the sensor: a step of two innovations, of twice the variance. That many
+// refused in a row are the fault of the filter, whose covariance must be large enough to come back.
 bool judged(const Filter &filter, FilterState &state, const Reading &reading, Said &said) {
     const int n = filter.states, which = int(reading.which);
     double row[STATES], carried[STATES];
@@ -67,7 +67,7 @@ bool judged(const Filter &filter, FilterState &state, const Reading &reading, Sa
         for (int i = 0; i < n * n; i++) state.P[i] += filter.added[i];
         state.refusals[which] = 0;
     }
-    if (std::isfinite(nis)) state.streams[which] = innovation;
+    if (accepted || is_lost) state.streams[which] = innovation;
     return accepted || is_lost;
 }
 

@@ -137,7 +137,7 @@ class KalmanEstimator:
 
     @property
     def streams(self) -> dict[str, float]:
-        """Innovation of the last reading, by name: a reading that continues it is accepted."""
+        """Innovation of the last accepted reading, by name: a reading that continues it is accepted."""
         found = zip(self.measurements, self.kalman.streams.tolist(), strict=True)
         return {name: stream for name, stream in found if not math.isnan(stream)}
 
