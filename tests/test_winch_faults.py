@@ -74,6 +74,16 @@ def test_a_brake_that_stays_shut_is_named_without_the_drives_supervision_and_one
     assert [told.code == "DRIVE_AT_FAULT" for _, told in run.alarms].count(True) == int(named), "once"
 
 
+def test_a_drum_that_turns_again_is_no_jump_of_its_encoder():
+    """A count that stood while the drum was ordered to turn is off by that way, whichever of the two it was."""
+    run = Run(supervised=0.0)
+    run.inject("brake_shut", duration=4.5)
+    run.go(BEGIN + 9.0)
+    names = [told.name for _, told in run.alarms]
+    assert "DRUM_OR_ENCODER: still" in names
+    assert "SENSOR_LOST, ENCODER: jump" not in names
+
+
 def test_a_count_that_freezes_while_the_winch_is_driven_slowly_by_hand_is_named_and_the_winch_stops():
     """It went on for 75 s and 5.7 m, and the depth sensor was blamed."""
     run = Stepped(ClosedLoop(quick_parameters({}, 60.0))).go(5.0)

@@ -327,6 +327,15 @@ def test_a_sensor_that_was_left_out_shows_that_it_is_right_by_motion_alone(motio
     assert accepted([other, without], without, other, ["mru_heave"]) is other
 
 
+def test_a_sensor_that_is_used_again_blames_another_only_for_what_it_explains_beyond_that():
+    """A record that began with the end of a fault of the depth sensor was explained a little better by the MRU."""
+    without = dataclasses.replace(PRESENT, excluded="depth", motion=2.0 * TELLING)
+    again, other = hypothesis(20.0), hypothesis(20.0 - ACCEPTED + 0.1, ["mru.scale"])
+    ranked = [other, again, without]
+    assert accepted(ranked, without, None, ["mru_heave"]) is None
+    assert accepted(ranked, without, other, ["mru_heave"]) is other
+
+
 def test_what_is_believed_is_not_news():
     assert accepted([PRESENT], PRESENT, PRESENT, ["mru_heave"]) is None
 

@@ -158,7 +158,7 @@ class ReferenceKalmanFilter:
         nis = innovation * innovation / variance  # a power would raise OverflowError for a number that is absurd
         # a stream that goes on where its last reading was says something of the model, not of the sensor
         step = innovation - float(self.streams[which])
-        is_stream = step * step <= 2.0 * gate.threshold * variance
+        is_stream = step * step <= max(2.0 * gate.threshold * variance, 0.25 * innovation * innovation)
         accepted = nis <= gate.threshold or ((is_stream or not self._model.is_gated[which]) and math.isfinite(nis))
         self.refusals[which] = 0 if accepted else self.refusals[which] + 1
         # that many in a row: it is the filter that is wrong, and its covariance must be large enough to come back
@@ -284,6 +284,25 @@ def test_the_compiled_filter_estimates_and_judges_as_the_reference_does(told, se
             assert innovation.nis == pytest.approx(peer.innovations[name].nis, rel=1e-6, abs=1e-8, nan_ok=True)
         assert ours.refusals == peer.refusals
         assert ours.streams == pytest.approx(peer.streams, rel=1e-8, abs=1e-8)
+
+
+@pytest.mark.parametrize(
+    ("read", "used"),
+    [
+        ([0.0, 4.5, 9.5, 17.0], [True, True, True, True]),
+        ([0.0, 4.5, 17.0, 17.0], [True, True, False, False]),
+    ],
+    ids=["goes on", "jump"],
+)
+def test_a_sensor_that_goes_on_from_its_last_reading_is_right_however_fast_the_model_leaves_it(read, used):
+    """A load that struck the seabed left the model behind; its depth was refused, right as it was, for ten seconds."""
+    still = linear_model(np.eye(1), states=("x",), inputs={"u": [0.0]}, noises={"w": [1e-3]}, dt=0.05)
+    one = KalmanEstimator(still, [MeasurementModel("x", "x", np.ones(1), 1.0)], 1e-4 * np.eye(1), gate=25.0)
+    accepted = []
+    for tick, value in enumerate(read):
+        one.step(tick, 0.0, [Measurement("x", value, tick)])
+        accepted.append(one.innovations["x"].accepted)
+    assert accepted == used
 
 
 @settings(max_examples=30, deadline=None)

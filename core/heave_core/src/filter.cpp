@@ -49,16 +49,16 @@ void begin_tick(const Filter &filter, FilterState &state, int tick) {
     state.held = std::min(state.held + 1, filter.kept);
 }
 
-// Hold a reading against its prediction; return whether it may be used. One that goes on where the last one of its
-// sensor was says something of the model, not of the sensor: a step of two innovations, of twice the variance. That many
-// refused in a row are the fault of the filter, whose covariance must be large enough to come back.
+// Hold a reading against its prediction; return whether it may be used. One that goes on where the last one used was says
+// something of the model, not of the sensor: a step of two innovations, of twice the variance, or of no more than half of
+// what it is off. That many refused in a row are the filter's fault, whose covariance must be large enough to come back.
 bool judged(const Filter &filter, FilterState &state, const Reading &reading, Said &said) {
     const int n = filter.states, which = int(reading.which);
     double row[STATES], carried[STATES];
     const double innovation = reading.value - linearised(filter, reading, state.x, row);
     const double variance = across(n, row, state.P, carried) + reading.variance;
     const double nis = innovation * innovation / variance, step = innovation - state.streams[which];
-    const bool is_stream = step * step <= filter.stream_factor * filter.gate * variance;
+    const bool is_stream = step * step <= std::max(filter.stream_factor * filter.gate * variance, 0.25 * innovation * innovation);
     const bool accepted = nis <= filter.gate || ((is_stream || !filter.is_gated[which]) && std::isfinite(nis));
     said = {innovation, std::sqrt(variance), nis, accepted ? 1.0 : 0.0};
     state.refusals[which] = accepted ? 0 : state.refusals[which] + 1;

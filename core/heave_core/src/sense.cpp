@@ -214,15 +214,15 @@ void note_tension(const Core &core, const LookAt &given, const Delivered *delive
 constexpr int LAST_CAUSE = 52;
 
 // Whether a sensor that is lost is lost for another cause than was reported of it: each is reported once until it is well
-// again. A reading refused among others is no cause.
+// again. A reading refused among others is no cause, nor is the jump of one that was frozen, or stood with its drum.
 bool has_new_cause(const Health &health, SensorGate &gate) {
     const bool is_sure = gate.reason == FROZEN || gate.reason == STALE || gate.reason == DELAYED;
-    const bool is_known = is_sure || gate.bad_in_a_row >= health.bad_in_a_row;
     if (gate.level != SENSOR_LOST) gate.causes = 0.0;
-    if (gate.level != SENSOR_LOST || !is_known) return false;
+    if (gate.level != SENSOR_LOST || !(is_sure || gate.bad_in_a_row >= health.bad_in_a_row)) return false;
     const int64_t causes = int64_t(gate.causes), cause = int64_t(1) << std::min(int(gate.reason), LAST_CAUSE);
     gate.causes = double(causes | cause);
-    return (causes & cause) == 0;
+    const bool goes_on = gate.reason == JUMP && (causes & int64_t(1) << FROZEN) != 0;
+    return (causes & cause) == 0 && !goes_on;
 }
 
 // Which sensors have become worse in this tick, or have another noise or interval than the nominal one.

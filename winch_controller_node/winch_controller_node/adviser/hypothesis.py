@@ -7,7 +7,7 @@ other culprit, and the record explained.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
@@ -90,7 +90,6 @@ under it, mean square; and nothing is where one is so much further."""
 
 TELLING = 3.0
 """Motion over the noise of a sensor that was left out, 1 sigma, in which it shows that it is right."""
-
 
 TOLERANCE = {MRU_SCALE: 0.02, ENCODER_SCALE: 0.02, DEPTH_SCALE: 0.02, MRU_OFFSET: 0.03, MRU_DELAY: 0.02}
 """Difference from nominal below which a value counts as nominal, in its unit."""
@@ -192,7 +191,7 @@ class Assumed:
 
 
 def accepted(
-    ranked: list[Hypothesis], present: Hypothesis, before: Hypothesis | None, used: Iterable[str]
+    ranked: list[Hypothesis], present: Hypothesis, before: Hypothesis | None, used: Collection[str]
 ) -> Hypothesis | None:
     """Return the hypothesis to accept from now on; None: the present beliefs stay.
 
@@ -206,16 +205,17 @@ def accepted(
     # what is as good with fewer culprits is better; one more beside them is no other explanation
     within = [one for one in ranked if one.culprits <= ranked[0].culprits and one.total < ranked[0].total + CLEARLY]
     best = min(within, key=lambda one: len(one.culprits))
-    gain = present.total - best.total
+    # what speaks for a culprit is what it explains beyond those that are held already, or are acquitted
+    held = [one.total for one in ranked if one is not best and one.culprits <= present.culprits]
+    gain = min([present.total, *held]) - best.total
     if best.culprits == present.culprits and not best.changes:
         return None
     others = [one.total for one in ranked if not one.culprits >= best.culprits]
     is_clear = not others or min(others) - best.total >= CLEARLY
-    names = list(used)
     news = best.culprits - present.culprits
     # two things at once are seldom, and leave nothing for a third
-    left = EXPLAINED if len(news) > 1 else max(EXPLAINED, SHARE_LEFT * present.worst(names))
-    is_explained = best.worst(names) <= (MISFIT if DAMPING in best.changes else left) and not worsens(best, present)
+    left = EXPLAINED if len(news) > 1 else max(EXPLAINED, SHARE_LEFT * present.worst(used))
+    is_explained = best.worst(used) <= (MISFIT if DAMPING in best.changes else left) and not worsens(best, present)
     if present.excluded and present.excluded not in best.culprits and not present.motion > TELLING:
         # a sensor that had nothing to see has not shown that it is right
         return None
