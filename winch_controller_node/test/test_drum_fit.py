@@ -203,7 +203,8 @@ def test_a_count_that_has_drifted_for_a_while_is_explained_by_a_drift_as_one_tha
     record = recorded(rates, driven(WinchParameters(), rates)[0])
     time, begin = DT * np.arange(len(record.readings)), 20.0
     left = 0.043 * np.clip(time - begin, 0.0, lasts)
-    assert record.squares_with_drift(left, record.readings, round(begin / DT)) < 0.005 * left @ left
+    nothing_free = np.empty((len(left), 0))
+    assert record.squares_with_drift(left, nothing_free, record.readings, round(begin / DT)) < 0.005 * left @ left
 
 
 @pytest.mark.parametrize("before_end", [3.0, 8.0, 14.0])

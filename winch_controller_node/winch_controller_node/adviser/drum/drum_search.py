@@ -31,8 +31,9 @@ from winch_controller_node.adviser.drum.drum_fit import (
     DrumFit,
     DrumPrior,
     fit_drum,
+    linearised,
 )
-from winch_controller_node.adviser.drum.drum_record import FACTOR, START_PAYOUT, DrumRecord
+from winch_controller_node.adviser.drum.drum_record import FACTOR, START_PAYOUT, START_RATE, DrumRecord
 from winch_controller_node.adviser.hypothesis import CLEARLY
 
 ALWAYS = (LAG, DELAY, GAIN)
@@ -87,9 +88,11 @@ def identify(record: DrumRecord, prior: DrumPrior, assumed: Array) -> DrumFit:
     held_limits = {index for index in LIMITS if assumed[index] < prior.nominal[index]}
     onsets = _sudden(record, prior, assumed) if best.residual > UNEXPLAINED else []
     found, freed = _with_groups(prior, best, others, onsets, held_limits)
-    if (FACTOR,) in freed and _loss_with_drift(record, prior, assumed, onsets) < found.loss + CLEARLY:
-        # the drum creeps, or has crept, or its gain drifts, and its encoder may be right: the next records say how much
-        found, freed = _with_groups(prior, best, others, [], held_limits)
+    if (FACTOR,) in freed:
+        other = _with_groups(prior, best, others, [], held_limits)
+        if _loss_with_drift(other[0], onsets) < found.loss + CLEARLY:
+            # the drum creeps, or has crept, or its gain drifts, and its encoder may be right: the next records say
+            found, freed = other
     return _without_held(prior, _without_passengers(prior, found, freed, assumed), held_limits)
 
 
@@ -215,12 +218,13 @@ def _before(record: DrumRecord, prior: DrumPrior, assumed: Array, onset: int) ->
     return fit_drum(before, prior, begun(before, assumed), ())
 
 
-def _loss_with_drift(record: DrumRecord, prior: DrumPrior, assumed: Array, onsets: Sequence[int]) -> float:
-    """Return the loss of the `assumed` drum whose count or gain drifts from near one of the `onsets` on [nats]."""
-    fit = _before(record, prior, assumed, min(onsets))
-    left, path = record.residuals(fit.theta[None, :])[0], record.simulated(fit.theta[None, :])[0]
-    squares = min(record.squares_with_drift(left, path, at) for at in range(min(onsets), len(record.readings) - 2))
-    return replace(fit, squares=squares, count=len(left), record=record).loss
+def _loss_with_drift(fit: DrumFit, onsets: Sequence[int]) -> float:
+    """Return the loss of a `fit` if count or gain drift besides, all along or from near one of the `onsets` on [nats]."""
+    record = fit.record
+    left, slopes = linearised(record, fit.theta, [*fit.free, START_PAYOUT, START_RATE])
+    free, path = np.linalg.qr(slopes)[0], record.simulated(fit.theta[None, :])[0]
+    begins = (0, *range(min(onsets), len(record.readings) - 2))
+    return replace(fit, squares=min(record.squares_with_drift(left, free, path, at) for at in begins)).loss
 
 
 def shown_limits(record: DrumRecord) -> dict[int, float]:
