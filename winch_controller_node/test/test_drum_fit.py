@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from winch_controller_node.adviser.drum.drum_fit import LIMITS, _improbability, fit_drum, prior_of
 from winch_controller_node.adviser.drum.drum_record import FACTOR, DrumRecord
-from winch_controller_node.adviser.drum.drum_search import PRICES, begun, identify
+from winch_controller_node.adviser.drum.drum_search import ALWAYS, PRICES, begun, identify
 from winch_controller_node.adviser.record import SensorHistory
 from winch_controller_node.adviser.winch import WinchIdentifier
 from winch_controller_node.beliefs.drum import drum_of
@@ -217,6 +217,26 @@ def test_a_drum_whose_gain_begins_to_drift_is_no_other_scale_of_its_encoder(gain
     steps = np.diff([state.payout for state in states], prepend=0.0)
     readings = np.cumsum((1.0 + (gain - 1.0) * since / before_end) * steps)
     assert FACTOR not in identify(recorded(rates, 1e-3 * np.round(1e3 * readings)), PRIOR, NOMINAL).free
+
+
+@pytest.mark.parametrize(
+    ("drift", "size", "end", "ago"),
+    [(-0.002, 0.8, 25.0, 2.0), (0.002, 0.8, 30.0, 4.0), (-0.0015, 0.5, 35.0, 2.0), (-0.003, 0.3, 30.0, 2.0)],
+)
+def test_a_drum_whose_gain_goes_on_drifting_is_no_other_scale_of_its_encoder(drift, size, end, ago):
+    """By `drift` a second since 15 s, while it is assumed as some seconds `ago`: a part of it was taken for a lag."""
+    rates = waves(50.0, size)
+    _, states = driven(WinchParameters(), rates)
+    gain = 1.0 + drift * np.maximum(DT * np.arange(len(rates)) - 15.0, 0.0)
+    readings = 1e-3 * np.round(1e3 * np.cumsum(gain * np.diff([state.payout for state in states], prepend=0.0)))
+
+    def record(until):
+        ticks = slice(max(round((until - 21.0) / DT), 0), round(until / DT))
+        return recorded(rates[ticks], readings[ticks])
+
+    before, assumed = record(end - ago), NOMINAL.copy()
+    assumed[list(ALWAYS)] = fit_drum(before, PRIOR, begun(before, NOMINAL), ALWAYS).theta[list(ALWAYS)]
+    assert FACTOR not in identify(record(end), PRIOR, assumed).free
 
 
 @pytest.mark.parametrize("before_end", [1.5, 3.0, 6.0, 11.0])

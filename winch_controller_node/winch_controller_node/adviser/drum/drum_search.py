@@ -137,8 +137,9 @@ def _sudden(record: DrumRecord, prior: DrumPrior, assumed: Array) -> list[int]:
         onset = count - round(time / record.dt)
         if onset < round(LEAST_BEFORE / record.dt) or np.mean(record.limited[onset:]) > LIMITED:
             continue
-        is_read = np.count_nonzero(record.seen[:onset]) > 2
-        if is_read and _before(record, prior, assumed, onset).residual < UNEXPLAINED:
+        before = record.until(onset)
+        is_read = np.count_nonzero(before.seen) > 2
+        if is_read and fit_drum(before, prior, begun(before, assumed), ()).residual < UNEXPLAINED:
             found.append(onset)
     return found
 
@@ -212,14 +213,8 @@ def _with_factor(prior: DrumPrior, best: DrumFit, onsets: Sequence[int]) -> Drum
     return best
 
 
-def _before(record: DrumRecord, prior: DrumPrior, assumed: Array, onset: int) -> DrumFit:
-    """Return the `assumed` drum in the record until an `onset`."""
-    before = record.until(onset)
-    return fit_drum(before, prior, begun(before, assumed), ())
-
-
 def _loss_with_drift(fit: DrumFit, onsets: Sequence[int]) -> float:
-    """Return the loss of a `fit` if count or gain drift besides, all along or from near one of the `onsets` on [nats]."""
+    """Return the loss of a `fit` if count or gain drift besides, all along or from near one of `onsets` on [nats]."""
     record = fit.record
     left, slopes = linearised(record, fit.theta, [*fit.free, START_PAYOUT, START_RATE])
     free, path = np.linalg.qr(slopes)[0], record.simulated(fit.theta[None, :])[0]
