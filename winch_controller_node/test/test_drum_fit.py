@@ -384,6 +384,15 @@ def test_a_millisecond_of_jitter_of_the_delay_hides_no_limit(excerpt_of):
     assert "winch.speed_gain" not in assumed or assumed["winch.speed_gain"].value == pytest.approx(1.0, abs=0.03)
 
 
+@pytest.mark.parametrize("noise", [0.002, 0.01])
+def test_a_limit_is_learnt_with_all_that_is_found_beside_it_whatever_noise_is_left(excerpt_of, noise):
+    """A drum of a seventh of its speed: without the limit the gain found beside it would be another drum's."""
+    weak = WinchParameters(speed_limit=0.3)
+    assumed, _ = assumed_of(excerpt_of, weak, 30.0, size=0.9, noise=noise)
+    for name in ("winch.speed_out", "winch.speed_in"):
+        assert assumed[name].value == pytest.approx(0.3, rel=0.05)
+
+
 @pytest.mark.parametrize(("late", "every"), [(1, 97), (1, 140), (6, 97)])
 def test_a_machine_that_stalls_now_and_then_is_not_taken_for_a_weak_winch(excerpt_of, late, every):
     """Each `every` ticks the commands of `late` ticks come together with the next, to a winch that is as assumed."""
