@@ -88,11 +88,11 @@ def identify(record: DrumRecord, prior: DrumPrior, assumed: Array) -> DrumFit:
     held_limits = {index for index in LIMITS if assumed[index] < prior.nominal[index]}
     onsets = _sudden(record, prior, assumed) if best.residual > UNEXPLAINED else []
     found, freed = _with_groups(prior, best, others, onsets, held_limits)
-    if (FACTOR,) in freed:
-        other = _with_groups(prior, best, others, [], held_limits)
-        if _loss_with_drift(other[0], onsets) < found.loss + CLEARLY:
-            # the drum creeps, or has crept, or its gain drifts, and its encoder may be right: the next records say
-            found, freed = other
+    if any({FACTOR, *LIMITS} & set(group) for group in freed):
+        # the drum creeps, or has crept, or its gain drifts, and nothing else is other: the next records say how much
+        plain = [(best, set()), *([_with_groups(prior, best, others, [], held_limits)] if (FACTOR,) in freed else [])]
+        alike = (one for one in plain if _loss_with_drift(one[0], onsets) < found.loss + CLEARLY)
+        found, freed = next(alike, (found, freed))
     return _without_held(prior, _without_passengers(prior, found, freed, assumed), held_limits)
 
 
@@ -218,7 +218,8 @@ def _loss_with_drift(fit: DrumFit, onsets: Sequence[int]) -> float:
     record = fit.record
     left, slopes = linearised(record, fit.theta, [*fit.free, START_PAYOUT, START_RATE])
     free, path = np.linalg.qr(slopes)[0], record.simulated(fit.theta[None, :])[0]
-    begins = (0, *range(min(onsets), len(record.readings) - 2))
+    count = len(record.readings)
+    begins = (0, *range(min(onsets, default=count), count - 2))
     return replace(fit, squares=min(record.squares_with_drift(left, free, path, at) for at in begins)).loss
 
 
