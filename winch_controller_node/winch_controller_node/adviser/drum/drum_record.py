@@ -88,7 +88,8 @@ class DrumRecord:
         ends = np.arange(len(path), onset, -max(1, round(ENDS_EVERY / self.dt)), dtype=float)
         counts = np.clip(time, onset, ends[:, None]) - onset
         gain = np.cumsum(np.maximum(time - onset, 0.0) * np.diff(path, prepend=path[0]))
-        drifts = np.vstack([counts, gain])[:, self.seen]
+        # a count that drifts all along is a drum's that creeps, which is in the fit
+        drifts = np.vstack([counts, gain] if onset > 0 else [gain])[:, self.seen]
         for first, end in self._stretches:
             drifts[:, first:end] -= drifts[:, first:end].mean(axis=1, keepdims=True)
         drifts -= (drifts @ slopes) @ slopes.T
