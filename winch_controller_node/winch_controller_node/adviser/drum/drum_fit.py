@@ -168,7 +168,7 @@ def _sizes(theta: Array) -> Array:
 
 
 def linearised(record: DrumRecord, theta: Array, columns: Sequence[int]) -> tuple[Array, Array]:
-    """Return the residuals, shape (count,), and how the record goes with each of `columns`, (count, columns)."""
+    """Return what `theta` leaves of a `record`, (count,), and how it falls with each of `columns`, (count, columns)."""
     steps = np.array([-DIFFERENCE if column in LIMITS else DIFFERENCE for column in columns]) * _sizes(theta)[columns]
     thetas = np.repeat(theta[None, :], len(columns) + 1, axis=0)
     thetas[np.arange(1, len(thetas)), list(columns)] += steps
