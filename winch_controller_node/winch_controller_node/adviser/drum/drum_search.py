@@ -88,7 +88,7 @@ def identify(record: DrumRecord, prior: DrumPrior, assumed: Array) -> DrumFit:
     held_limits = {index for index in LIMITS if assumed[index] < prior.nominal[index]}
     onsets = _sudden(record, prior, assumed) if best.residual > UNEXPLAINED else []
     found, freed = _with_groups(prior, best, others, onsets, held_limits)
-    if any({FACTOR, *LIMITS} & set(group) for group in freed):
+    if any(({FACTOR, *LIMITS} - held_limits) & set(group) for group in freed):
         # the drum creeps, or has crept, or its gain drifts, and nothing else is other: the next records say how much
         plain = [(best, set()), *([_with_groups(prior, best, others, [], held_limits)] if (FACTOR,) in freed else [])]
         alike = (one for one in plain if _loss_with_drift(one[0], onsets) < found.loss + CLEARLY)
