@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from winch_controller_node.adviser.drum.drum_fit import LIMITS, _improbability, fit_drum, prior_of
 from winch_controller_node.adviser.drum.drum_record import FACTOR, DrumRecord
-from winch_controller_node.adviser.drum.drum_search import PRICES, begun, identify
+from winch_controller_node.adviser.drum.drum_search import ALWAYS, PRICES, begun, identify
 from winch_controller_node.adviser.record import SensorHistory
 from winch_controller_node.adviser.winch import WinchIdentifier
 from winch_controller_node.beliefs.drum import drum_of
@@ -203,7 +203,8 @@ def test_a_count_that_has_drifted_for_a_while_is_explained_by_a_drift_as_one_tha
     record = recorded(rates, driven(WinchParameters(), rates)[0])
     time, begin = DT * np.arange(len(record.readings)), 20.0
     left = 0.043 * np.clip(time - begin, 0.0, lasts)
-    assert record.squares_with_drift(left, record.readings, round(begin / DT)) < 0.005 * left @ left
+    nothing_free = np.empty((len(left), 0))
+    assert record.squares_with_drift(left, nothing_free, record.readings, round(begin / DT)) < 0.005 * left @ left
 
 
 @pytest.mark.parametrize("before_end", [3.0, 8.0, 14.0])
@@ -216,6 +217,26 @@ def test_a_drum_whose_gain_begins_to_drift_is_no_other_scale_of_its_encoder(gain
     steps = np.diff([state.payout for state in states], prepend=0.0)
     readings = np.cumsum((1.0 + (gain - 1.0) * since / before_end) * steps)
     assert FACTOR not in identify(recorded(rates, 1e-3 * np.round(1e3 * readings)), PRIOR, NOMINAL).free
+
+
+@pytest.mark.parametrize(
+    ("drift", "size", "end", "ago"),
+    [(-0.002, 0.8, 25.0, 2.0), (0.002, 0.8, 30.0, 4.0), (-0.0015, 0.5, 35.0, 2.0), (-0.003, 0.3, 30.0, 2.0)],
+)
+def test_a_drum_whose_gain_goes_on_drifting_is_no_other_scale_of_its_encoder(drift, size, end, ago):
+    """By `drift` a second since 15 s, while it is assumed as some seconds `ago`: a part of it was taken for a lag."""
+    rates = waves(50.0, size)
+    _, states = driven(WinchParameters(), rates)
+    gain = 1.0 + drift * np.maximum(DT * np.arange(len(rates)) - 15.0, 0.0)
+    readings = 1e-3 * np.round(1e3 * np.cumsum(gain * np.diff([state.payout for state in states], prepend=0.0)))
+
+    def record(until):
+        ticks = slice(max(round((until - 21.0) / DT), 0), round(until / DT))
+        return recorded(rates[ticks], readings[ticks])
+
+    before, assumed = record(end - ago), NOMINAL.copy()
+    assumed[list(ALWAYS)] = fit_drum(before, PRIOR, begun(before, NOMINAL), ALWAYS).theta[list(ALWAYS)]
+    assert FACTOR not in identify(record(end), PRIOR, assumed).free
 
 
 @pytest.mark.parametrize("before_end", [1.5, 3.0, 6.0, 11.0])
@@ -361,6 +382,15 @@ def test_a_millisecond_of_jitter_of_the_delay_hides_no_limit(excerpt_of):
     for name in ("winch.acceleration_out", "winch.acceleration_in"):
         assert assumed[name].value == pytest.approx(0.75, rel=0.04)
     assert "winch.speed_gain" not in assumed or assumed["winch.speed_gain"].value == pytest.approx(1.0, abs=0.03)
+
+
+@pytest.mark.parametrize("noise", [0.002, 0.01])
+def test_a_limit_is_learnt_with_all_that_is_found_beside_it_whatever_noise_is_left(excerpt_of, noise):
+    """A drum of a seventh of its speed: without the limit the gain found beside it would be another drum's."""
+    weak = WinchParameters(speed_limit=0.3)
+    assumed, _ = assumed_of(excerpt_of, weak, 30.0, size=0.9, noise=noise)
+    for name in ("winch.speed_out", "winch.speed_in"):
+        assert assumed[name].value == pytest.approx(0.3, rel=0.05)
 
 
 @pytest.mark.parametrize(("late", "every"), [(1, 97), (1, 140), (6, 97)])

@@ -78,6 +78,20 @@ def test_a_winch_that_was_set_right_goes_on_once_an_operator_asks():
     assert not blamed & {"mru", "depth", "encoder", "cable"}
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize(("used", "named"), [("mru, encoder, load_cell", True), ("mru, encoder", False)])
+def test_a_load_cell_that_is_used_tells_a_frozen_encoder_from_a_drum_that_stands(used, named):
+    """Nobody sees the load: by the tension alone it goes on as ordered."""
+    fault = {"kind": ["freeze"], "start": [70.0], "duration": [0.0], "magnitude": [0.0]}
+    settings = [f"virtual_winch.encoder.faults.{name}={value}" for name, value in fault.items()]
+    settings += [f"winch_controller.sensors.use=[{used}]", "all.duration=80", "all.seed=5", "wave_vessel.ramp=20"]
+    record = ClosedLoop(loop_parameters(load_scenario("b3_deep_900", settings=settings))).run()
+    found = {alarm.name for time, alarm in record.alarms if time > 70.0}
+    assert "DRUM_OR_ENCODER: still" in found
+    assert ("SENSOR_LOST, ENCODER: at fault" in found) is named
+    assert "DRIVE_AT_FAULT" not in found
+
+
 def test_a_storm_blames_no_sensor_and_no_winch():
     """At its limits a winch does other than it was sent for a quarter of the time, and the cable is slack."""
     scenario = load_scenario("b5_storm", settings=["all.duration=200", "all.seed=1"])

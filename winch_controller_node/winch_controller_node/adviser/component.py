@@ -224,21 +224,16 @@ class Adviser:
         gain = changed.get("winch.speed_gain")
         nominal = QUANTITIES["winch.speed_gain"].nominal_in(self._nominal)
         is_uncertain = gain is not None and abs(math.log(gain.value / nominal)) > UNCERTAIN_GAIN
-        self._drum_gain_is_open = is_uncertain
-        if is_uncertain and not self._knows_gain():
+        self._drum_gain_is_open, self._gain_is_winch = is_uncertain, False
+        if is_uncertain and self._judged >= SHORTEST:
+            self._judge()
+        if is_uncertain and not self._gain_is_winch:
             self._beliefs = replace(self._beliefs, authority=CAUTIOUS)
             return
         self._beliefs = replace(self._beliefs, authority=1.0)
         if changed or answer.nominal:
             values = {n: b for n, b in self._beliefs.values.items() if n not in answer.nominal} | changed
             self._assume(values)
-
-    def _knows_gain(self) -> bool:
-        """Tell whether a gain of the winch that is far off is the winch's: the encoder's scale would explain less."""
-        if self._judged < SHORTEST:
-            return False
-        self._judge()
-        return self._gain_is_winch
 
     def _take_encoder(self, since: int, factor: float, sigma: float, step: float, nats: float) -> None:
         """Accept that the encoder has read `factor` times as much as assumed `since` a tick, after a `step` [m]."""
@@ -307,7 +302,6 @@ class Adviser:
     def _judge(self, *, is_urgent: bool = True) -> None:
         """Look for the sensor, or the cable, that differs from what is assumed, where not all is as predicted."""
         excerpt, looks = self._record.last(self._judged), self._looks
-        self._gain_is_winch = False
         is_off = abs(math.log(abs(self._drum_gain / self._history.encoder_scale))) > UNCERTAIN_GAIN
         if not is_urgent and not is_off and self._is_predicted(excerpt):
             looks.note(None)

@@ -198,7 +198,7 @@ class WinchIdentifier:
             )
         new = {i for i in found.free if held[i] == self._prior.nominal[i]}
         nats = present.loss - found.loss - price_of(new)
-        values = self._worth_it(held, found, is_explained=found.residual <= EXPLAINED)
+        values = self._worth_it(held, found)
         values |= self._raised(found, held, excerpt.last)
         is_better = nats >= WORTH and is_explained
         values = values if is_better else {i: value for i, value in values.items() if i in self._let_up}
@@ -222,14 +222,14 @@ class WinchIdentifier:
     def _sigma(found: DrumFit, index: int) -> float:
         return float(found.sigmas[found.free.index(index)]) if index in found.free else math.nan
 
-    def _worth_it(self, held: Array, found: DrumFit, *, is_explained: bool) -> dict[int, float]:
-        """Return what is found and differs enough from what is held, by field; of an unexplained record no limit."""
+    def _worth_it(self, held: Array, found: DrumFit) -> dict[int, float]:
+        """Return what is found and differs enough from what is held, by field."""
         values = {}
         for index in found.free:
             value, before = float(found.theta[index]), float(held[index])
             name = Drum._fields[index] if index < FIELDS else ""
             step = LIMIT_STEP * before if index in LIMITS else STEPS[name] * (before if "gain" in name else 1.0)
-            if abs(value - before) < step or (index in LIMITS and not is_explained):
+            if abs(value - before) < step:
                 continue
             values[index] = value
         lags = {LAG, DELAY} & set(values)

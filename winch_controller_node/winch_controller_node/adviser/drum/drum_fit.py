@@ -96,7 +96,7 @@ def fit_drum(
     per_second = count / max(record.duration, record.dt)
     information = np.eye(len(columns))
     for _ in range(ITERATIONS):
-        residual, slopes = _linearised(record, theta, columns)
+        residual, slopes = linearised(record, theta, columns)
         squares = float(residual @ residual)
         weight = 1.0 / (per_second * (squares / count + FLOOR**2))
         precision = _precision(theta[columns] - nominal, sigmas)
@@ -167,8 +167,8 @@ def _sizes(theta: Array) -> Array:
     return sizes
 
 
-def _linearised(record: DrumRecord, theta: Array, columns: Sequence[int]) -> tuple[Array, Array]:
-    """Return the residuals, shape (count,), and how the record goes with each of `columns`, (count, columns)."""
+def linearised(record: DrumRecord, theta: Array, columns: Sequence[int]) -> tuple[Array, Array]:
+    """Return what `theta` leaves of a `record`, (count,), and how it falls with each of `columns`, (count, columns)."""
     steps = np.array([-DIFFERENCE if column in LIMITS else DIFFERENCE for column in columns]) * _sizes(theta)[columns]
     thetas = np.repeat(theta[None, :], len(columns) + 1, axis=0)
     thetas[np.arange(1, len(thetas)), list(columns)] += steps

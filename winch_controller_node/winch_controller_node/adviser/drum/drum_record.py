@@ -78,18 +78,22 @@ class DrumRecord:
             left[:, first:end] -= left[:, first:end].mean(axis=1, keepdims=True)
         return np.asarray(left)
 
-    def squares_with_drift(self, left: Array, path: Array, onset: int) -> float:
+    def squares_with_drift(self, left: Array, slopes: Array, path: Array, onset: int) -> float:
         """Return the squares of what is `left` of a `path`, less a drift of count or gain from an `onset` on [m^2].
 
-        A count that has drifted may have stopped since, as a drum does that crept for a while.
+        What is free, with orthogonal `slopes` (seen, free), is fitted besides. A count that has drifted may have
+        stopped since, as a drum does that crept for a while.
         """
         time = np.arange(len(path), dtype=float)
         ends = np.arange(len(path), onset, -max(1, round(ENDS_EVERY / self.dt)), dtype=float)
         counts = np.clip(time, onset, ends[:, None]) - onset
         gain = np.cumsum(np.maximum(time - onset, 0.0) * np.diff(path, prepend=path[0]))
-        drifts = np.vstack([counts, gain])[:, self.seen]
+        # a count that drifts all along is a drum's that creeps, which is in the fit
+        drifts = np.vstack([counts, gain] if onset > 0 else [gain])[:, self.seen]
         for first, end in self._stretches:
             drifts[:, first:end] -= drifts[:, first:end].mean(axis=1, keepdims=True)
+        drifts -= (drifts @ slopes) @ slopes.T
+        left = left - slopes @ (left @ slopes)
         return float(left @ left - np.max((drifts @ left) ** 2 / np.maximum(np.sum(drifts**2, axis=1), 1e-30)))
 
     def until(self, place: int) -> DrumRecord:

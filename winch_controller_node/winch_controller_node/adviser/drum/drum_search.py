@@ -31,8 +31,9 @@ from winch_controller_node.adviser.drum.drum_fit import (
     DrumFit,
     DrumPrior,
     fit_drum,
+    linearised,
 )
-from winch_controller_node.adviser.drum.drum_record import FACTOR, START_PAYOUT, DrumRecord
+from winch_controller_node.adviser.drum.drum_record import FACTOR, START_PAYOUT, START_RATE, DrumRecord
 from winch_controller_node.adviser.hypothesis import CLEARLY
 
 ALWAYS = (LAG, DELAY, GAIN)
@@ -87,9 +88,11 @@ def identify(record: DrumRecord, prior: DrumPrior, assumed: Array) -> DrumFit:
     held_limits = {index for index in LIMITS if assumed[index] < prior.nominal[index]}
     onsets = _sudden(record, prior, assumed) if best.residual > UNEXPLAINED else []
     found, freed = _with_groups(prior, best, others, onsets, held_limits)
-    if (FACTOR,) in freed and _loss_with_drift(record, prior, assumed, onsets) < found.loss + CLEARLY:
-        # the drum creeps, or has crept, or its gain drifts, and its encoder may be right: the next records say how much
-        found, freed = _with_groups(prior, best, others, [], held_limits)
+    if any(({FACTOR, *LIMITS} - held_limits) & set(group) for group in freed):
+        # the drum creeps, or has crept, or its gain drifts, and nothing else is other: the next records say how much
+        plain = [(best, set()), *([_with_groups(prior, best, others, [], held_limits)] if (FACTOR,) in freed else [])]
+        alike = (one for one in plain if _loss_with_drift(one[0], onsets) < found.loss + CLEARLY)
+        found, freed = next(alike, (found, freed))
     return _without_held(prior, _without_passengers(prior, found, freed, assumed), held_limits)
 
 
@@ -134,8 +137,9 @@ def _sudden(record: DrumRecord, prior: DrumPrior, assumed: Array) -> list[int]:
         onset = count - round(time / record.dt)
         if onset < round(LEAST_BEFORE / record.dt) or np.mean(record.limited[onset:]) > LIMITED:
             continue
-        is_read = np.count_nonzero(record.seen[:onset]) > 2
-        if is_read and _before(record, prior, assumed, onset).residual < UNEXPLAINED:
+        before = record.until(onset)
+        is_read = np.count_nonzero(before.seen) > 2
+        if is_read and fit_drum(before, prior, begun(before, assumed), ()).residual < UNEXPLAINED:
             found.append(onset)
     return found
 
@@ -209,18 +213,14 @@ def _with_factor(prior: DrumPrior, best: DrumFit, onsets: Sequence[int]) -> Drum
     return best
 
 
-def _before(record: DrumRecord, prior: DrumPrior, assumed: Array, onset: int) -> DrumFit:
-    """Return the `assumed` drum in the record until an `onset`."""
-    before = record.until(onset)
-    return fit_drum(before, prior, begun(before, assumed), ())
-
-
-def _loss_with_drift(record: DrumRecord, prior: DrumPrior, assumed: Array, onsets: Sequence[int]) -> float:
-    """Return the loss of the `assumed` drum whose count or gain drifts from near one of the `onsets` on [nats]."""
-    fit = _before(record, prior, assumed, min(onsets))
-    left, path = record.residuals(fit.theta[None, :])[0], record.simulated(fit.theta[None, :])[0]
-    squares = min(record.squares_with_drift(left, path, at) for at in range(min(onsets), len(record.readings) - 2))
-    return replace(fit, squares=squares, count=len(left), record=record).loss
+def _loss_with_drift(fit: DrumFit, onsets: Sequence[int]) -> float:
+    """Return the loss of a `fit` if count or gain drift besides, all along or from near one of `onsets` on [nats]."""
+    record = fit.record
+    left, slopes = linearised(record, fit.theta, [*fit.free, START_PAYOUT, START_RATE])
+    free, path = np.linalg.qr(slopes)[0], record.simulated(fit.theta[None, :])[0]
+    count = len(record.readings)
+    begins = (0, *range(min(onsets, default=count), count - 2))
+    return replace(fit, squares=min(record.squares_with_drift(left, free, path, at) for at in begins)).loss
 
 
 def shown_limits(record: DrumRecord) -> dict[int, float]:
