@@ -66,7 +66,7 @@ BOUNDS = {
     "stroke_late": 0.6,
     "stroke_soon": 0.1,
     "stroke_span": 0.3,
-    "brake_margin": 0.03,
+    "brake_margin": 0.008,
     "rest_speed": 0.02,
     "used_share": 0.9,
     "bound_time": 0.5,

@@ -271,7 +271,7 @@ int observe_count(const Design &design, State &state, const Readings &readings, 
     const double expected = went_on ? step : is_held ? clip(step, std::min(sent, 0.0), std::max(sent, 0.0)) : sent;
     state.drum_travel += std::abs(sent);
     // a drum that suddenly goes otherwise than sent makes steps of its own in the load
-    if (std::abs(step - expected) > 0.5 * bounds.brake_margin) state.taut_time = 0.0;
+    if (std::abs(step - expected) > 0.25 * bounds.count_step) state.taut_time = 0.0;
     if (state.unproved > 0.0) return prove_count(design, state, is_held ? 0.0 : sent, step - expected);
     if (!thaws) {
         state.residual += step - expected;

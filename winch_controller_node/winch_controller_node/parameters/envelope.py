@@ -49,7 +49,7 @@ class EnvelopeParameters:
     stroke_late: float = 0.6  # additional lag that a drive may have beyond the stated one [s]
     stroke_soon: float = 0.1  # the same for a drive that was never later during the last envelope.window of motion [s]
     stroke_span: float = 0.3  # length of the two consecutive intervals that are compared for the acceleration [s]
-    brake_margin: float = parameter(0.025, "m", 0.002, 10.0,
+    brake_margin: float = parameter(0.008, "m", 0.002, 10.0,
         "Motion of the count with the brake on that is a slip; a single step of half of it is a jump.")  # fmt: skip
     rest_speed: float = 0.02  # speed below which a braked drum counts as at rest [m/s]
     # share of the bounds on speed and travel within which the controller keeps its own orders [-]
