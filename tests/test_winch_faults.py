@@ -4,8 +4,11 @@ The winch has a supervision of its drive of 1 s. The sea has waves of 10 s: the 
 0.05 m/s for all but 0.5 s about each turn.
 """
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
+from cable_sim_node.winch.component import VirtualWinch
 from cable_sim_node.winch.parameters import WinchParameters
 from heave_bringup.closed_loop import ClosedLoop
 from heave_node.interface.codes import WinchFault
@@ -82,6 +85,22 @@ def test_a_drum_that_turns_again_is_no_jump_of_its_encoder():
     names = [told.name for _, told in run.alarms]
     assert "DRUM_OR_ENCODER: still" in names
     assert "SENSOR_LOST, ENCODER: jump" not in names
+
+
+def test_a_winch_that_begins_anew_within_a_second_is_moved_only_when_an_operator_asks():
+    """Its drive started again with the brake on and a count of 0: it was released within 0.2 s, and ran at 0.4 m/s."""
+    run = Run()
+    deliver = run.loop._deliver
+    run.loop._deliver = lambda *given: replace(deliver(*given), winch=None)
+    run.go(BEGIN + 0.8)
+    assert run.modes[-1] == "compensating"
+    run.loop._deliver = deliver
+    run.loop.winch = VirtualWinch(run.loop._parameters.winch, tick_period=TICK, seed=1)
+    run.go(BEGIN + 30.0)
+    assert run.reached("stopped") <= BEGIN + 0.8 + 2.0 * TICK
+    assert set(run.modes[round((BEGIN + 1.0) / TICK) :]) == {"stopped"}
+    assert any("winch fault: drive: it was restarted; request a mode" in str(told) for _, told in run.alarms)
+    assert np.abs(run.column("payout", BEGIN + 1.0)).max() == 0.0
 
 
 def test_a_count_that_freezes_while_the_winch_is_driven_slowly_by_hand_is_named_and_the_winch_stops():

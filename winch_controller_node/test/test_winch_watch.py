@@ -9,7 +9,7 @@ from cable_sim_node.winch.component import VirtualWinch, WinchCommand
 from cable_sim_node.winch.parameters import WinchParameters
 from heave_node.interface.codes import WinchFault, WinchLimit
 from winch_controller_node.design.design import design_controller
-from winch_controller_node.interface.readings import Lateness, WinchOrder, WinchReading
+from winch_controller_node.interface.readings import Measurements, WinchOrder, WinchReading
 from winch_controller_node.node_parameters import WinchControllerParameters
 
 from tests.core_parts import WinchWatch, drum_error, drum_ordered
@@ -154,7 +154,7 @@ def test_a_fault_stays_known_while_no_state_comes_and_its_cause_is_told(design):
     link.run(100)
     link.late += 12
     link.run(12, fault=WinchFault.COMMAND_TIMEOUT)
-    said = link.watch.fault_cause(link.watch.fault, Lateness())
+    said = link.watch.fault_cause(link.watch.fault, Measurements())
     assert said.startswith("commands were sent in time, and the winch took none for")
     assert float(re.findall(r"\d+\.\d+", said)[0]) == pytest.approx(12 * DT), "beyond its delay"
     link.run(3, has_state=False)
@@ -163,9 +163,9 @@ def test_a_fault_stays_known_while_no_state_comes_and_its_cause_is_told(design):
     silent.run(100)
     silent.run(20, has_state=False)
     silent.run(1, fault=WinchFault.COMMAND_TIMEOUT)
-    assert "no data from the winch for 1.00 s" in silent.watch.fault_cause(silent.watch.fault, Lateness())
+    assert "no data from the winch for 1.00 s" in silent.watch.fault_cause(silent.watch.fault, Measurements())
     silent.run(1, fault=WinchFault.DRIVE)
-    said = silent.watch.fault_cause(silent.watch.fault, Lateness())
+    said = silent.watch.fault_cause(silent.watch.fault, Measurements())
     assert said == "", "of another fault the winch alone knows the cause"
 
 

@@ -17,6 +17,15 @@ bool is_mru_lost(const Control &on) {
     return has(on.tick->lost_sensors, on.sense->mru) || on.sense_state->excluded == on.sense->mru;
 }
 
+// A winch that has forgotten which commands it took has begun anew, braked and with another count: what was ordered of the
+// drum before it must not be ordered of it.
+void watch_restart(const Control &on) {
+    Given &given = *on.given;
+    const double newest = on.winch_state->link.newest;  // above the own number: of another controller
+    const bool has_forgotten = given.has_winch != 0.0 && given.command < newest && newest <= on.done->sequence;
+    if (has_forgotten && on.acting.done->brake == 0.0 && given.fault == 0.0) given.fault = on.supervising.design->restart;
+}
+
 void sense(const Control &on) {
     const Given &given = *on.given;
     const Command &last = *on.acting.command;
@@ -240,6 +249,7 @@ int control(const Control &on, int from) {
     Controlled &done = *on.done;
     switch (from) {
         case BEGIN:
+            watch_restart(on);
             done.encoder_news = watch_encoder(on);
             if (done.encoder_news != 0.0) return SENSE;
             [[fallthrough]];

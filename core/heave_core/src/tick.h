@@ -9,7 +9,7 @@ namespace heave {
 
 // What a tick works on. Python fills the addresses once, in this order; a part that it makes anew, again.
 struct Control {
-    const Given *given;
+    Given *given;
     const Active *active;
     const Delivered *delivered;
     const SenseDesign *sense;

@@ -112,7 +112,7 @@ class ControllerParts:
                 self._estimation.tick,
                 WinchSituation(
                     fault=fault,
-                    fault_cause=winch.fault_cause(fault, self._measurements.lateness),
+                    fault_cause=winch.fault_cause(fault, self._measurements),
                     envelope="" if reason is None else reason.brief,
                     mean_payout=float(seen["mean_payout"]),
                     share=float(seen["share"]),

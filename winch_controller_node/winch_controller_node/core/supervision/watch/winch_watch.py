@@ -21,7 +21,7 @@ from winch_controller_node.core.supervision.late_commands import (
 from winch_controller_node.core.supervision.watch.drum_watch import DrumWatch, watched
 from winch_controller_node.design.design import ControllerDesign
 from winch_controller_node.interface.alarms import ALARMS
-from winch_controller_node.interface.readings import Lateness, WinchOrder
+from winch_controller_node.interface.readings import Measurements, WinchOrder
 from winch_controller_node.node_parameters import WinchControllerParameters
 
 TOLERATED_SHARE = 0.5
@@ -74,9 +74,11 @@ class WinchWatch:
         """Payout of the drum less what was predicted of it a second ago [m]; 0 where unknown."""
         return float(self._error[0])
 
-    def fault_cause(self, fault: int, lateness: Lateness) -> str:
-        """Return why the winch has a `fault`, in words, with the `lateness` of the ticks; empty: unknown."""
-        return self._timeout_cause.words(lateness) if fault == WinchFault.COMMAND_TIMEOUT else ""
+    def fault_cause(self, fault: int, seen: Measurements) -> str:
+        """Return why the winch has a `fault`, in words, by what was `seen` in the tick; empty: unknown."""
+        if fault == WinchFault.COMMAND_TIMEOUT:
+            return self._timeout_cause.words(seen.lateness)
+        return "" if seen.winch is None or seen.winch.fault else "it was restarted"
 
     def take_kept(self) -> int:
         """Return for how many ticks the winch has kept its order until now, once."""
