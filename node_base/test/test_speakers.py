@@ -1,5 +1,10 @@
-"""Who may speak on a topic, without ROS."""
+"""Who may speak on a topic, without a ROS graph."""
 
+import logging
+from types import SimpleNamespace
+
+from heave_node.ros.diagnostics import Level
+from heave_node.ros.transport.strangers import Strangers
 from heave_node.tick.gate import Inbox, TickGate
 from heave_node.tick.speakers import ANYONE, Speakers, Standing
 from hypothesis import given
@@ -66,3 +71,32 @@ def test_a_topic_that_a_node_owns_is_never_released():
     speakers.release()
     assert speakers.standing("own") is Standing.LAWFUL
     assert speakers.standing("other") is Standing.STRANGER
+
+
+class Graph:
+    """A node as far as its strangers look at it: who publishes, by the first bytes of its identity."""
+
+    def __init__(self) -> None:
+        self.present: list[bytes] = []
+
+    def get_publishers_info_by_topic(self, _: str) -> list[SimpleNamespace]:
+        return [SimpleNamespace(endpoint_gid=one * 16, node_name="drive", node_namespace="/") for one in self.present]
+
+    def get_logger(self) -> logging.Logger:
+        return logging.getLogger("strangers")
+
+
+def test_a_process_that_takes_the_place_of_one_that_has_left_is_no_stranger_any_more():
+    """A drive that was restarted stood in the diagnostics as unknown, to be stopped, until the end of the run."""
+    graph, speakers = Graph(), Speakers(is_external=True)
+    strangers = Strangers(graph, "")
+    old, new = b"\x01", b"\x02"
+    graph.present = [old, new]  # the graph has not seen yet that the first one has left
+    assert speakers.standing((old * 12).hex()) is Standing.LAWFUL
+    strangers.look({"/winch/state": speakers})
+    assert [part.level for part in strangers.health()] == [Level.ERROR]
+    graph.present = [new]
+    strangers.refuse_speaker("/winch/state", (new * 12).hex(), speakers)
+    assert strangers.has_news
+    assert strangers.health() == []
+    assert speakers.standing((new * 12).hex()) is Standing.LAWFUL

@@ -21,7 +21,6 @@ from heave_node.ros.transport.identity import identity_of_sender
 IDLE_PERIOD = 0.2
 """Wall time between two calls of `on_idle` [s]."""
 
-
 _WITH_INFORMATION = inspect.Signature(
     [inspect.Parameter(name, inspect.Parameter.POSITIONAL_ONLY) for name in ("message", "information")]
 )

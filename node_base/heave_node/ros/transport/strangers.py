@@ -23,7 +23,6 @@ PART = "strangers"
 """Part of a node's diagnostics that names them."""
 LOOK_PERIOD = 0.4
 """Wall time between two looks at the publishers of the run's topics [s]: a stranger is named within a second."""
-_LOOK_AGAIN = 0.5
 _MOST = 20
 """Strangers that are listed one by one; any more are counted together."""
 
@@ -88,10 +87,9 @@ class Strangers:
         """
         self.refuse(topic, identity)
         now = time.monotonic()
-        if speakers.is_external and now - self._left_looked_at >= _LOOK_AGAIN:
+        if speakers.is_external and now - self._left_looked_at >= LOOK_PERIOD:
             self._left_looked_at = now
-            if not self._present(topic) & (speakers.identities or frozenset()):
-                speakers.release()
+            self._look_at(topic, speakers)
 
     def look(self, speakers: Mapping[str, Speakers]) -> None:
         """Look at the publishers of topics, a few times per second of wall time; the first time at once.
@@ -108,15 +106,18 @@ class Strangers:
                 self._judge_publishers(topic, lawful)
 
     def _judge_publishers(self, topic: str, lawful: Speakers) -> None:
-        present = self._present(topic)
-        if not present & (lawful.identities or frozenset()):
-            lawful.release()
-        for identity in sorted(present):
+        for identity in sorted(self._look_at(topic, lawful)):
             if lawful.standing(identity) is Standing.STRANGER:
                 self._notice(topic, identity, "")
 
-    def _present(self, topic: str) -> set[str]:
-        return {identity_of_endpoint(info) for info in self._node.get_publishers_info_by_topic(topic)}
+    def _look_at(self, topic: str, speakers: Speakers) -> set[str]:
+        """Return who publishes on a `topic`; where its `speakers` have left it, the next one is no stranger."""
+        present = {identity_of_endpoint(info) for info in self._node.get_publishers_info_by_topic(topic)}
+        if speakers.is_external and not present & (speakers.identities or frozenset()):
+            speakers.release()
+            kept = {key: stranger for key, stranger in self._known.items() if key[0] != topic or stranger.why}
+            self.has_news, self._known = self.has_news or len(kept) < len(self._known), kept
+        return present
 
     def health(self) -> list[Health]:
         """Return what was noticed so far, for diagnostics; empty where nothing was."""
