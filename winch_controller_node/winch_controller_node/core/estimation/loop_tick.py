@@ -15,7 +15,6 @@ FIELDS = (*(row.name for row in TICK.rows if row.kind is not MOTIONS), *(row.nam
 MORE = ("rows", "estimate", "mean_state", "said", "lost", "depths", "observed", "inconsistency")
 """What a tick has beside them, see `LoopTick`."""
 
-
 TENSION_MEMORY = 30.0
 """Time constant of the mean tension [s]: of a wave it leaves 1/(w T), as much as a plain mean over twice the time may.
 It holds a wave and a half of the longest swell, of 20 s; the motion of the boom tip is averaged over it as well."""
