@@ -1,6 +1,8 @@
 """What `heave report`, `kpi` and `export` write of bags, and that none of it takes the place of something else."""
 
 import json
+import os
+import shutil
 import sys
 from pathlib import Path
 
@@ -8,6 +10,8 @@ import pandas
 import pytest
 from heave_bags import Bag
 from heave_bags.analyse import kpi_set
+from heave_bags.analyse.read_run import read_run
+from heave_bags.mcap.loss import Loss, remarks
 from heave_bringup.cli import main
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "bags" / "test"))
@@ -117,3 +121,32 @@ def test_a_wrong_export_is_one_line_and_no_file(runs, tmp_path, monkeypatch, cap
     said = capsys.readouterr().err.splitlines()[-1]
     assert words in said
     assert list(tmp_path.iterdir()) == []
+
+
+def test_what_a_bag_lost_is_on_the_screen_of_every_command_that_reads_it(runs, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    shutil.copytree(runs / "one" / "bag", "cut/bag")
+    (file,) = Path("cut/bag").glob("*.mcap")
+    os.truncate(file, file.stat().st_size * 7 // 10)
+    (loss,) = read_run("cut").losses
+    assert loss.messages > 0
+    for command in (["report"], ["report", "--full"], ["kpi"], ["export", "--table", "x.csv"]):
+        assert main([command[0], "cut", *command[1:]]) == 0
+        screen = "".join(capsys.readouterr())
+        assert screen.count(str(loss)) == 1, command
+        heads = [line for line in screen.splitlines() if "verdict" in line]
+        assert all(line.endswith("; not all of the bag could be read") for line in heads), heads
+        assert len(heads) == (command[0] == "report")
+    assert main(["repair", "cut", "--output", "saved"]) == 0
+    assert str(loss) in capsys.readouterr().out
+
+
+def test_of_many_losses_the_largest_are_named_and_the_others_counted():
+    losses = [Loss(Path("x.mcap"), 10 * number, "bad", 0, 1, number) for number in range(1, 41)]
+    lines = remarks([], losses)
+    assert [line.split()[-3] for line in lines] == ["40", "39", "38", str(sum(range(1, 38)))]
+    assert "37 more places" in lines[-1]
+    assert len(remarks([], losses[:3])) == 3
+    lines = remarks(["note"], [*losses, Loss(Path("x.mcap"), None, "cut")])
+    assert lines[0] == "note"
+    assert "an unknown number of" in lines[1], "it may be the largest"

@@ -174,10 +174,13 @@ def to_json(record: RunRecord, window: float | None = None) -> dict[str, Any]:
 def table(records: Sequence[RunRecord]) -> str:
     """Return the KPIs of the runs `records` side by side as text, and below them what a reader of them must know."""
     sources = {record.name: record.sources for record in records}
-    lines = [kpi_set.table({record.name: as_seen(record) for record in records}, sources)]
-    for record in records:
-        lines += [f"{record.name}: {text}" for text in record.remarks()]
-    return "\n".join(lines)
+    shown = kpi_set.table({record.name: as_seen(record) for record in records}, sources)
+    return "\n".join([shown, *remarks(records)])
+
+
+def remarks(records: Sequence[RunRecord]) -> list[str]:
+    """Return what a reader of the figures of the runs `records` must know, each line with the name of its run."""
+    return [f"{record.name}: {text}" for record in records for text in record.remarks()]
 
 
 def as_seen(record: RunRecord) -> dict[str, float]:

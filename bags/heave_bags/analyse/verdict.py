@@ -112,6 +112,7 @@ class Verdict:
     loads: tuple[LoadCheck, ...] = ()
     has_rope: bool = True  # the strength of the rope is stated
     sea: str = ""  # that was run: its seed, or where it comes from; "": unknown
+    is_whole: bool = True  # no message of the run was lost
 
     @property
     def criteria(self) -> list[Judged]:
@@ -171,6 +172,7 @@ class Verdict:
             head = "verdict: no criteria given"
         if self.alarms:
             head += f"; {self.alarms} {'error' if self.alarms == 1 else 'errors'} reported"
+        head += "" if self.is_whole else "; not all of the bag could be read"
         met = [str(judged) for judged in self.criteria if judged.is_met]
         met += [f"{self._active}met"] if self.share >= LEAST_SHARE else []
         loads = [str(check) for check in self.loads if not check.is_failed]
@@ -227,6 +229,7 @@ def judge(
         () if is_open_loop else record.signals.load_checks(),
         any(one.key == ROPE for one in record.signals.strengths),
         record.sea_run,
+        all(loss.messages == 0 for loss in record.losses),
     )
 
 

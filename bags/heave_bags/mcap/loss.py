@@ -8,6 +8,7 @@ into `metadata.yaml` as data of its own.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, replace
@@ -23,6 +24,8 @@ MISSING_FILE = "the file is missing, which the bag lists"
 _REASON, _MESSAGES, _FROM, _TO = (f"heave_lost_{name}" for name in ("reason", "messages", "from_ns", "to_ns"))
 LONGEST_REASON = 500
 """Characters of a reason that are read."""
+MOST_NAMED = 3
+"""Losses that are named, each in a line."""
 
 
 @dataclass(frozen=True)
@@ -50,8 +53,13 @@ class Loss:
 
 
 def remarks(notes: Iterable[str], losses: Iterable[Loss]) -> list[str]:
-    """Return what a reader of a bag must know, one line each: the `notes` on it, and the `losses`."""
-    return [*map(one_line, notes), *(f"not all of the bag could be read: {loss}" for loss in losses)]
+    """Return what a reader of a bag must know, one line each: the `notes`, and the `losses`, the largest first."""
+    found = sorted(losses, key=lambda loss: -math.inf if loss.messages is None else -loss.messages)
+    named = [f"not all of the bag could be read: {loss}" for loss in found[:MOST_NAMED]]
+    if rest := [loss.messages for loss in found[MOST_NAMED:]]:
+        count = "an unknown number of" if None in rest else sum(filter(None, rest))
+        named.append(f"not all of the bag could be read: {len(rest)} more places with {count} messages lost")
+    return [*map(one_line, notes), *named]
 
 
 class LossAccount:

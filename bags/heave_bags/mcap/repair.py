@@ -11,7 +11,7 @@ from pathlib import Path
 from heave_bags.errors import BagError
 from heave_bags.mcap.bag_writer import Attachment, BagWriter
 from heave_bags.mcap.files import METADATA_RECORD, OUTCOME_RECORD, RUN_RECORD, write_metadata
-from heave_bags.mcap.loss import Loss
+from heave_bags.mcap.loss import Loss, remarks
 from heave_bags.mcap.reader import Bag, Progress, no_progress, summary_of
 
 
@@ -25,8 +25,8 @@ class Repaired:
     notes: tuple[str, ...] = ()
 
     def __str__(self) -> str:
-        lines = [f"{self.folder}: {self.messages} messages recovered"]
-        return "\n".join([*lines, *self.notes, *(str(loss) for loss in self.losses)])
+        head = f"{self.folder}: {self.messages} messages recovered"
+        return "\n".join([head, *remarks(self.notes, self.losses)])
 
 
 def repair(source: str | Path, output: str | Path, *, progress: Progress = no_progress) -> Repaired:
@@ -45,7 +45,7 @@ def repair(source: str | Path, output: str | Path, *, progress: Progress = no_pr
     for message in bag.messages(progress=progress):
         writer.write(message.topic, message.log_time, message.data, publish_time=message.publish_time)
         count += 1
-    lost = "; ".join(str(loss) for loss in bag.losses)
+    lost = "; ".join(remarks((), bag.losses))
     writer.close({**bag.outcome, "repaired_from": str(bag.path.name), **({"lost": lost} if lost else {})})
     return Repaired(Path(output), count, tuple(bag.losses), tuple(bag.notes))
 
@@ -65,6 +65,6 @@ def reindex(folder: str | Path) -> Bag:
         command = f"heave repair {shlex.quote(str(bag.path))} --output {shlex.quote(f'{bag.path}_repaired')}"
         raise BagError(f"{damage[0]}; repair the bag instead: {command}")
     if bag.losses:
-        summary.custom_data = {**summary.custom_data, "lost": "; ".join(str(loss) for loss in bag.losses)}
+        summary.custom_data = {**summary.custom_data, "lost": "; ".join(remarks((), bag.losses))}
     write_metadata(bag.path, summary)
     return bag

@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 from heave_node.criteria import Criterion
 from heave_node.interface.codes import WinchLimit
 
-from heave_bags.analyse import kpi_set
+from heave_bags.analyse import analysis, kpi_set
 from heave_bags.analyse.kpis.window import Window
 from heave_bags.analyse.reading.stored import as_number, number
 from heave_bags.analyse.run_record import RunRecord
@@ -115,4 +115,4 @@ def table(records: Sequence[RunRecord]) -> str:
     notes = {key: note(records[0], key) for key in keys} if len(records) == 1 else {}
     shown = kpi_set.table(values, {record.name: record.sources for record in records}, keys=keys, notes=notes)
     why = on_industrial(records[0], values[records[0].name]) if len(records) == 1 else ""
-    return f"{shown}\n{why}" if why else shown
+    return "\n".join([shown, *([why] if why else []), *analysis.remarks(records)])

@@ -16,6 +16,7 @@ from pathlib import Path
 import numpy as np
 from heave_bags.analyse.time_base import LONGEST_GAP
 from heave_bags.errors import BagError
+from heave_bags.mcap.loss import remarks
 from heave_bags.mcap.reader import TIME, Bag
 from heave_bags.signals import Signal, integrated
 from heave_node.files.plausible import PLAUSIBLE, question, refusal, sea_question
@@ -163,8 +164,8 @@ def _with_standard_frames(bag: Bag, channels: Mapping[str, Channel]) -> dict[str
     column = next((name for name, channel in channels.items() if not channel.topic), None)
     if column is not None:
         raise BagError(f"{bag.path}: {column} names a column, but this is a bag: name a topic")
-    types = {name: bag.topics[bag.resolve(channel.topic)].type for name, channel in channels.items()}
-    return {name: with_standard_frame(channel, types[name]) for name, channel in channels.items()}
+    topics = {name: bag.topics[bag.resolve(channel.topic)] for name, channel in channels.items()}
+    return {name: with_standard_frame(channel, topics[name].type) for name, channel in channels.items()}
 
 
 def _bag_signals(bag: Bag, channels: Mapping[str, Channel], findings: Findings) -> dict[str, Signal]:
@@ -172,7 +173,7 @@ def _bag_signals(bag: Bag, channels: Mapping[str, Channel], findings: Findings) 
     for channel in channels.values():
         wanted.setdefault(channel.topic, set()).update({*_fields(channel), *_validity_names(channel)})
     columns = bag.columns(wanted)
-    findings.notes += [*bag.notes, *(str(loss) for loss in bag.losses)]
+    findings.notes += remarks(bag.notes, bag.losses)
     signals = {}
     for name, channel in channels.items():
         topic = columns[channel.topic]

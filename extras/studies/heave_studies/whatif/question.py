@@ -9,6 +9,7 @@ from typing import Any
 
 from cable_sim_node.errors import PlantError
 from cable_sim_node.winch.parameters import WinchParameters
+from heave_bags.mcap.loss import remarks
 from heave_bags.mcap.reader import Bag
 from heave_bringup.errors import CommandError
 from heave_bringup.output import warn
@@ -51,7 +52,7 @@ def ask(
     try:
         asked_of(before, after, laws, winch_under(NOMINAL, nominal), has_adviser=True)
         record = read_record(bag, nominal, progress=lambda share: show("reading", share))
-        warn([*bag.notes, *map(str, bag.losses)])
+        warn(remarks(bag.notes, bag.losses))
         record = record if end is None else record.part(end)
         check_record(record, before.run.transient, str(source))
         show("the same law again, cable and unit", 0.0)
