@@ -214,6 +214,7 @@ def _checked(name: str, path: Path, in_file: Values, settings: Iterable[Setting 
     _check_shared_names(shared)
     _check_shared_choices(shared)
     _refuse_overruled(changes, in_file)
+    _check_replaced(changes)
     built: dict[str, NodeParameters] = {}
     quality_of_service: dict[str, dict[str, object]] = {}
     for node in NODES:
@@ -343,6 +344,17 @@ def _refuse_overruled(changes: Sequence[Setting], in_file: Values) -> None:
                     f"{change.source}: {standing.where}: {own} = {standing.value!r} overrides this; "
                     f"set {node}.{own} as well"
                 )
+
+
+def _check_replaced(changes: Sequence[Setting]) -> None:
+    """Refuse a value that is not allowed where a later change replaces it, so that no node is given it."""
+    last = {change.place: change for change in changes}
+    for change in (change for change in changes if change is not last[change.place]):
+        for node in NODES:
+            infos = {info.name: info for info in (*describe(RunParameters), *describe(node.parameters_type()))}
+            own = system_names(node.name, infos).get(change.name, change.name)
+            if own in infos and change.target in (WILDCARD, node.name):
+                infos[own].check_given(Given(change.value, change.name, change.source))
 
 
 def _names_of(node: str) -> list[str]:

@@ -37,6 +37,22 @@ def test_another_requirement_is_refused_with_the_option(text):
         parse_requirement(text)
 
 
+@pytest.mark.parametrize(
+    "text", ["significant_residual<-5cm", "snaps<0", "slack_percent>100", "unit_efficiency>=101%", "kappa<=-1e-9"]
+)
+def test_a_bound_that_no_run_meets_is_refused(text):
+    with pytest.raises(ParameterError, match="cannot be met: the best possible"):
+        parse_requirement(text)
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["snaps<=0", "time_at_limit_percent<=0", "unit_efficiency>=100%", "tension_min<-1kN", "unit_heave_phase<0deg"],
+)
+def test_a_bound_that_some_run_meets_is_taken(text):
+    parse_requirement(text)
+
+
 def test_a_wrong_requirement_is_refused_before_anything_starts(capsys):
     assert main(["run", "b2_calm_300", "--require", "no_such_figure<1"]) == 2
     assert "no_such_figure is not a figure of merit; known: unit_sigma_m" in capsys.readouterr().err

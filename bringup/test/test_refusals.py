@@ -33,6 +33,29 @@ def test_a_run_of_no_tick_is_refused(tmp_path, monkeypatch, capsys):
     assert not (tmp_path / "runs").exists()
 
 
+@pytest.mark.parametrize(
+    ("changes", "refused"),
+    [
+        (["--set", "all.duration=nan", "--duration", "1"], "duration = 'nan' is not allowed"),
+        (["--set", "system.unit.mass=.nan", "--set", "system.unit.mass=9e3"], "system.unit.mass = nan is not allowed"),
+        (
+            ["--set", "recorder.split_size=x", "--set", "recorder.split_size=9"],
+            "recorder.split_size = 'x' is not allowed",
+        ),
+    ],
+)
+def test_a_value_that_is_not_allowed_is_refused_where_another_replaces_it(changes, refused, capsys):
+    assert main(["run", "b2_calm_300", *changes]) == REFUSED
+    said = capsys.readouterr().err
+    assert refused in said
+    assert said.count("\n") == 1
+
+
+def test_numbers_in_a_refusal_are_short(capsys):
+    assert main(["run", "b2_calm_300", "--set", "system.unit.mass=1e300"]) == REFUSED
+    assert "strained by 6.28e+295 % at rest, more than 10 %" in capsys.readouterr().err
+
+
 def test_a_second_run_in_a_domain_is_refused_and_the_namespace_is_named(tmp_path, monkeypatch, capsys):
     pytest.importorskip("rclpy")
     monkeypatch.chdir(tmp_path)

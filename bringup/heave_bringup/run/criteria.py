@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from heave_bags.analyse.kpi_set import DEFINITION_OF
+from heave_bags.analyse.kpis.definition import POSSIBLE
 from heave_bags.analyse.run_record import BAG, replaced_nodes, sea_source
 from heave_bags.analyse.verdict import LEAST_SHARE, LEAST_WINDOW, open_loop, required_words, too_short
 from heave_node.criteria import UNITS_OF_KEYS, Criterion, end_of, parse_criterion
@@ -35,7 +36,7 @@ def parse_requirement(text: str) -> Criterion:
 
 
 def refuse_unknown(criterion: Criterion, where: str) -> None:
-    """Raise ParameterError, naming `where` it is, for a criterion on what is not a figure of merit."""
+    """Raise ParameterError, naming `where` it is, for a criterion on no figure of merit, or that none meets."""
     if criterion.kpi not in DEFINITION_OF:
         ratio = criterion.kpi.removesuffix(end_of(criterion.kpi))
         if ratio in DEFINITION_OF:
@@ -47,6 +48,9 @@ def refuse_unknown(criterion: Criterion, where: str) -> None:
         near = difflib.get_close_matches(criterion.kpi, DEFINITION_OF)
         helps = f"did you mean {' or '.join(near)}?" if near else f"known: {', '.join(DEFINITION_OF)}"
         raise ParameterError(f"{where}: {criterion.kpi} is not a figure of merit; {helps}")
+    best = next(of for end, of in POSSIBLE.items() if criterion.kpi.endswith(end))[criterion.relation[0] == ">"]
+    if not criterion.is_met(best):
+        raise ParameterError(f"{where}: cannot be met: the best possible {criterion.kpi} is {best:g}")
 
 
 BASELINE_LAW = "industrial"

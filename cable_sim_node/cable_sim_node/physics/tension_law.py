@@ -33,8 +33,8 @@ def overstrained_words(strain: float, stiffness: float) -> str:
     if strain <= LARGEST_STRAIN:
         return ""
     return (
-        f"the cable would be strained by {strain:.1%} at rest, more than {LARGEST_STRAIN:.0%}: it would part; check "
-        f"cable.axial_stiffness ({stiffness:g} N: kN or MN taken for N?)"
+        f"the cable would be strained by {100.0 * strain:.3g} % at rest, more than {100.0 * LARGEST_STRAIN:g} %: it "
+        f"would part; check cable.axial_stiffness ({stiffness:g} N: kN or MN taken for N?)"
     )
 
 

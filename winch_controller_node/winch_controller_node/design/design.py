@@ -297,7 +297,7 @@ def check_inputs(parameters: WinchControllerParameters, tick_period: float) -> N
     if not unit.weight_in_fluid(parameters.water_density, parameters.gravity) > 0.0:
         raise DesignError(
             f"the load floats: unit.volume of {unit.volume:g} m^3 displaces "
-            f"{unit.volume * parameters.water_density:.0f} kg of water, unit.mass is {unit.mass:g} kg; check both"
+            f"{unit.volume * parameters.water_density:g} kg of water, unit.mass is {unit.mass:g} kg; check both"
         )
 
 

@@ -35,6 +35,13 @@ SHOWN: Mapping[str, tuple[str, float, int]] = {
     "": ("", 1.0, 3),
 }
 """Unit, scale and digits of a figure in a table, by the end of its key; the first that fits."""
+POSSIBLE: Mapping[str, tuple[float, float]] = {
+    "_percent": (0.0, 100.0),
+    "_efficiency": (-math.inf, 1.0),
+    **dict.fromkeys(("_deg", "_mean_n", "_min_n", "_ratio_min"), (-math.inf, math.inf)),
+    "": (0.0, math.inf),
+}
+"""Least and largest value that a figure can have, by the end of its key; the first that fits."""
 
 SIGNIFICANT = 4
 """Digits of a figure that decimals do not go beyond: no run of a sea is known better."""
