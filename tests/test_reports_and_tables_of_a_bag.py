@@ -2,7 +2,9 @@
 
 import json
 import os
+import resource
 import shutil
+import signal
 import sys
 from pathlib import Path
 
@@ -150,3 +152,26 @@ def test_of_many_losses_the_largest_are_named_and_the_others_counted():
     lines = remarks(["note"], [*losses, Loss(Path("x.mcap"), None, "cut")])
     assert lines[0] == "note"
     assert "an unknown number of" in lines[1], "it may be the largest"
+
+
+def test_a_full_disk_leaves_no_file_and_is_one_line(runs, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    limit = resource.getrlimit(resource.RLIMIT_FSIZE)
+    handler = signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+    bag = str(runs / "one")
+    try:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (1000, limit[1]))  # as a disk with no more room
+        for command in (
+            ["report", bag, "--output", "x.html"],
+            ["kpi", bag, "--json", "x.json"],
+            ["kpi", bag, "--table", "x.csv"],
+            ["export", bag, "--table", "x.parquet"],
+        ):
+            assert main(command) == 1
+            said = capsys.readouterr().err.splitlines()[-1]
+            assert f"{command[-1]}: " in said
+            assert "File too large" in said
+            assert list(tmp_path.iterdir()) == [], command
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, limit)
+        signal.signal(signal.SIGXFSZ, handler)

@@ -106,7 +106,8 @@ def _refused_by_the_system(error: OSError) -> int:
         return ExitStatus.FAILED
     if error.filename is None and error.errno not in FULL:  # no file that the user named: a defect of ours, in full
         raise error
-    return _exit_with(f"{error.filename or 'output'}: {error.strerror}", ExitStatus.FAILED)
+    help_ = "; free space there or write elsewhere" if error.errno in FULL else ""
+    return _exit_with(f"{error.filename or 'output'}: {error.strerror}{help_}", ExitStatus.FAILED)
 
 
 def leave_out_other_ros(environment: MutableMapping[str, str], path: list[str]) -> str:

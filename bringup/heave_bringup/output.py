@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from errno import EISDIR
 from pathlib import Path
 
+from heave_node.files.given_files import whole_file
 from heave_node.parameters import ParameterError
 from rich import box
 from rich.console import Console
@@ -72,7 +73,8 @@ def write_result(options: argparse.Namespace, parts: Part | Sequence[Part], resu
     print_parts([parts] if isinstance(parts, str | Table | FittedTable) else parts)
     if options.json:
         try:
-            Path(options.json).write_text(document, encoding="utf-8")
+            with whole_file(Path(options.json)) as unfinished:
+                unfinished.write_text(document, encoding="utf-8")
         except OSError as error:
             raise CommandError(f"{options.json}: cannot be written: {error.strerror}") from error
 

@@ -142,7 +142,11 @@ def test_a_file_that_the_system_refuses_is_one_line_and_status_1(tmp_path, capsy
     (tmp_path / "full.svg").symlink_to("/dev/full")
     assert main(["static", "b2_calm_300", "--picture", str(tmp_path / "full.svg")]) == 1
     # what is compiled once after installation is reported before
-    assert capsys.readouterr().err.splitlines()[-1].endswith(": No space left on device")
+    assert (
+        capsys.readouterr()
+        .err.splitlines()[-1]
+        .endswith(": No space left on device; free space there or write elsewhere")
+    )
 
 
 @pytest.mark.parametrize(

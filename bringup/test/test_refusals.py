@@ -40,7 +40,7 @@ def test_a_run_of_no_tick_is_refused(tmp_path, monkeypatch, capsys):
         (["--set", "system.unit.mass=.nan", "--set", "system.unit.mass=9e3"], "system.unit.mass = nan is not allowed"),
         (
             ["--set", "recorder.split_size=x", "--set", "recorder.split_size=9"],
-            "recorder.split_size = 'x' is not allowed",
+            "split_size = 'x' is not allowed",
         ),
     ],
 )

@@ -55,7 +55,7 @@ def _frames(error: BaseException) -> list[tuple[FrameType, int]]:
 
 def _is_foreseen(error: BaseException) -> bool:
     """Return whether whoever raised an error worded it for the user."""
-    if isinstance(error, NodeError):
+    if type(error).__module__.partition(".")[0] in SUITE:
         return True
     frames = _frames(error)
     raised_in = str(frames[-1][0].f_globals.get("__package__") or "") if frames else ""

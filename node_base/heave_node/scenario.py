@@ -18,6 +18,7 @@ from heave_node.bare_words import read_bare
 from heave_node.catalogue import with_entries
 from heave_node.files.bounded_yaml import DUMPER, EXPONENT, YamlError, parse_yaml
 from heave_node.files.file_kinds import PARAMETERS_KEY, refuse_other_kind
+from heave_node.files.given_files import whole_file
 from heave_node.parameters import Given, ParameterError
 from heave_node.system_parameters import SYSTEM, own_name
 
@@ -207,7 +208,8 @@ def write_sections(sections: Mapping[str, Mapping[str, object]], path: Path, *, 
     path : of the file
     title : comment at its top
     """
-    path.write_text(sections_text(sections, title=title), encoding="utf-8")
+    with whole_file(path) as unfinished:
+        unfinished.write_text(sections_text(sections, title=title), encoding="utf-8")
 
 
 def sections_text(sections: Mapping[str, Mapping[str, object]], *, title: str = "") -> str:

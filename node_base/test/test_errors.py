@@ -2,6 +2,7 @@
 
 import inspect
 
+from heave_bags.errors import StorageError
 from heave_node.errors import NodeError, one_line
 from heave_node.tick.clock_rule import parse_clock
 from heave_node.tick.gate import Inbox
@@ -29,6 +30,13 @@ def refuse():
 
 def test_words_for_the_user_stand_alone():
     assert one_line(caught(refuse), NodeOfTheirs) == "the load cell is not connected"
+
+
+def test_words_of_any_exception_of_the_suite_stand_alone():
+    def full_disk():
+        raise StorageError("bag_0.mcap: the disk is full")
+
+    assert one_line(caught(full_disk), NodeOfTheirs) == "bag_0.mcap: the disk is full"
 
 
 def test_an_error_that_nobody_worded_is_shown_with_type_file_and_line():

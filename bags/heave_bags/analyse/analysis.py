@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from heave_node import kpi
+from heave_node.files.given_files import whole_file
 
 from heave_bags.analyse import kpi_set
 from heave_bags.analyse.kpis.definition import QUANTITIES
@@ -219,16 +220,20 @@ def save_frame(frame: pandas.DataFrame, path: Path, legend: pandas.DataFrame | N
     ending = path.suffix.lower()
     if ending not in TABLE_ENDINGS:
         raise BagError(f"{path}: the table's name must end in {' or '.join(TABLE_ENDINGS)}")
+    if ending == ".xlsx" and len(frame) > MOST_ROWS_XLSX:
+        raise BagError(f"{path}: {len(frame)} rows do not fit a sheet of {MOST_ROWS_XLSX}: take .csv or .parquet")
     has_index = frame.index.name is not None
     try:
-        if ending == ".parquet":
-            (frame.reset_index() if has_index else frame).to_parquet(path, index=False)
-        elif ending == ".csv":
-            _without_formulas(frame).to_csv(path, index=has_index, float_format="%.9g")
-        else:
-            _save_sheet(_without_formulas(frame), path, legend, has_index=has_index)
+        with whole_file(path) as unfinished:
+            if ending == ".parquet":
+                (frame.reset_index() if has_index else frame).to_parquet(unfinished, index=False)
+            elif ending == ".csv":
+                _without_formulas(frame).to_csv(unfinished, index=has_index, float_format="%.9g")
+            else:
+                _save_sheet(_without_formulas(frame), unfinished, legend, has_index=has_index)
         if legend is not None and ending != ".xlsx":
-            _without_formulas(legend).to_csv(legend_file(path), index=False)
+            with whole_file(legend_file(path)) as unfinished:
+                _without_formulas(legend).to_csv(unfinished, index=False)
     except ImportError as error:
         package = {".parquet": "pyarrow", ".xlsx": "xlsxwriter"}[ending]
         raise BagError(f"{path}: writing {ending} needs the package {package}: pip install {package}") from error
@@ -242,8 +247,6 @@ def legend_file(path: Path) -> Path:
 
 
 def _save_sheet(frame: pandas.DataFrame, path: Path, legend: pandas.DataFrame | None, *, has_index: bool) -> None:
-    if len(frame) > MOST_ROWS_XLSX:
-        raise BagError(f"{path}: {len(frame)} rows do not fit a sheet of {MOST_ROWS_XLSX}: take .csv or .parquet")
     import pandas  # noqa: PLC0415 - as above
 
     as_text = {"options": {"strings_to_formulas": False, "strings_to_urls": False}}

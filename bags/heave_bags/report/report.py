@@ -11,6 +11,7 @@ from importlib import resources
 from pathlib import Path
 from typing import Any
 
+from heave_node.files.given_files import whole_file
 from jinja2 import Environment, FunctionLoader, StrictUndefined, Template
 
 from heave_bags.analyse import analysis, differences, kpi_set, run_warnings, run_words
@@ -37,7 +38,8 @@ def save_report(records: Sequence[RunRecord], output: Path, verdicts: Sequence[V
     text = render(records, verdicts)
     try:
         output.parent.mkdir(parents=True, exist_ok=True)
-        output.write_text(text, encoding="utf-8")
+        with whole_file(output) as unfinished:
+            unfinished.write_text(text, encoding="utf-8")
     except OSError as error:
         raise BagError(f"{output}: the report cannot be written: {error.strerror}") from error
 

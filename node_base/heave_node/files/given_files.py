@@ -115,14 +115,20 @@ def _decoded(path: Path, data: bytes, wide: str) -> tuple[str, str]:
 def whole_file(path: Path) -> Iterator[Path]:
     """Give the place to write what is to be the file at `path`; it takes that place at the end, or leaves nothing.
 
-    Raises OSError where it cannot be written.
+    A pipe or a device is written at once. Raises OSError with the name of the file where it cannot be written.
     """
-    unfinished = path.with_name(f".{path.name}.writing")
+    is_file = path.is_file() or not path.exists()
+    final = path.resolve() if is_file else path  # of a link, what it leads to
+    unfinished = final.with_name(f".writing.{final.name}") if is_file else path
     try:
         yield unfinished
-        unfinished.replace(path)
-    except BaseException:
-        unfinished.unlink(missing_ok=True)
+        if is_file:
+            unfinished.replace(final)
+    except BaseException as error:
+        if is_file:
+            unfinished.unlink(missing_ok=True)
+        if isinstance(error, OSError) and error.errno:
+            error.filename = str(path)
         raise
 
 

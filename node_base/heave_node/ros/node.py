@@ -284,7 +284,7 @@ class HeaveNode(PortedNode):
         """End this node with a one-line `reason`; the traceback of `error` goes to the debug log."""
         if self.failure:
             return
-        when = f" at t = {self.tick.time:.3f} s" if self.tick is not None else ""
+        when = f" at t = {self.tick.time:.3f} s" if self.tick is not None and " t = " not in reason else ""
         self.failure, self.failed_at = f"{reason}{when}", time.monotonic()
         if error is not None:
             self.get_logger().debug("".join(traceback.format_exception(error)))
