@@ -90,6 +90,7 @@ def test_compensation_goes_on_after_a_stall_that_the_winch_bears(ticks):
     (left_out,) = [alarm for _, alarm in stalled.alarms if alarm.name != "MODE_CHANGED"]
     assert (left_out.code, left_out.values["count"]) == ("TICKS_LEFT_OUT", ticks)
     assert left_out.values["time"] == pytest.approx(ticks * TICK)
+    assert "up to its watchdog timeout" in left_out.text, "which stops a winch after a longer one"
     again = STALLED + ticks * TICK
     assert set(np.array(stalled.modes)[stalled.column("time") > 20.0]) == {"compensating"}
     assert stalled.unit_sigma(again + 2.0) < 1.2 * smooth.unit_sigma(again + 2.0)

@@ -10,19 +10,12 @@ from types import FrameType
 
 SUITE = frozenset(
     (
-        *(
-            "heave_core",
-            "heave_node",
-            "wave_vessel_node",
-            "cable_sim_node",
-            "winch_controller_node",
-            "heave_bags",
-            "heave_bringup",
-        ),
-        *("heave_devices", "heave_studies", "heave_statics", "heave_drives", "heave_panel", "heave_fmu"),
+        *("heave_core", "heave_node", "wave_vessel_node", "cable_sim_node", "winch_controller_node"),
+        *("heave_bags", "heave_bringup", "heave_devices", "heave_studies", "heave_statics"),
+        *("heave_drives", "heave_panel", "heave_fmu"),
     )
 )
-"""Packages whose ValueError is worded for the user."""
+"""Packages whose ValueError, and every exception of their own, is worded for the user."""
 
 LIBRARIES = frozenset(Path(sysconfig.get_path(kind)).resolve() for kind in ("stdlib", "purelib", "platlib"))
 """Folders of Python and of what is installed."""

@@ -10,13 +10,7 @@ from heave_node.criteria import Criterion
 
 from heave_bags.analyse import events, kpi_set
 from heave_bags.analyse.events import Interval
-from heave_bags.analyse.kpi_set import (
-    FREE_HEAVE,
-    SOURCES,
-    TIP_HEAVE,
-    TOP_TENSION,
-    UNIT_HEAVE,
-)
+from heave_bags.analyse.kpi_set import FREE_HEAVE, SOURCES, TIP_HEAVE, TOP_TENSION, UNIT_HEAVE
 from heave_bags.analyse.reading.innovations import Innovation
 from heave_bags.analyse.reading.stored import NodeParameters
 from heave_bags.mcap.loss import Loss, remarks

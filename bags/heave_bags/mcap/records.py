@@ -18,16 +18,7 @@ from typing import NamedTuple
 from mcap.data_stream import ReadDataStream
 from mcap.exceptions import McapError
 from mcap.opcode import Opcode
-from mcap.records import (
-    Attachment,
-    AttachmentIndex,
-    Channel,
-    McapRecord,
-    Metadata,
-    MetadataIndex,
-    Schema,
-    Statistics,
-)
+from mcap.records import Attachment, AttachmentIndex, Channel, McapRecord, Metadata, MetadataIndex, Schema, Statistics
 
 from heave_bags.errors import BagError
 from heave_bags.mcap.bounds import LARGEST_RECORD

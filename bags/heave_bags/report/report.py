@@ -18,7 +18,6 @@ from heave_bags.analyse import analysis, differences, kpi_set, run_warnings, run
 from heave_bags.analyse.kpi_set import BESIDE, source_of
 from heave_bags.analyse.run_record import RunRecord
 from heave_bags.analyse.verdict import FAILED, NO_VERDICT, Verdict, judge
-from heave_bags.errors import BagError
 from heave_bags.report import headline
 from heave_bags.report.figure import RUN_COLOURS, Figure, without_nan
 from heave_bags.report.lift import lift_drawing
@@ -33,15 +32,12 @@ MOST_HAPPENINGS = 60
 def save_report(records: Sequence[RunRecord], output: Path, verdicts: Sequence[Verdict] = ()) -> None:
     """Write the report of the runs `records` to `output`, with their `verdicts`, or those of the bags' own criteria.
 
-    Raises BagError if the file cannot be written.
+    Raises OSError if the file cannot be written.
     """
     text = render(records, verdicts)
-    try:
-        output.parent.mkdir(parents=True, exist_ok=True)
-        with whole_file(output) as unfinished:
-            unfinished.write_text(text, encoding="utf-8")
-    except OSError as error:
-        raise BagError(f"{output}: the report cannot be written: {error.strerror}") from error
+    output.parent.mkdir(parents=True, exist_ok=True)
+    with whole_file(output) as unfinished:
+        unfinished.write_text(text, encoding="utf-8")
 
 
 def render(records: Sequence[RunRecord], verdicts: Sequence[Verdict] = ()) -> str:

@@ -47,10 +47,7 @@ MODE_COLOURS = {
     "stopped": "#d55e00",
     "emergency_stop": "#d55e00",
 }
-FREE_MOTION = {
-    TRUE: "computed beside the run",
-    ESTIMATED: "as the controller estimates it",
-}
+FREE_MOTION = {TRUE: "computed beside the run", ESTIMATED: "as the controller estimates it"}
 """How the motion of the uncompensated unit is known, by its source."""
 MOST_MODES = 12
 """Modes or limits that a legend names; a bag may bring any number."""

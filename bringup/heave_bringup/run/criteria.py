@@ -81,10 +81,9 @@ def announce(scenario: Scenario, required: Sequence[Criterion] = (), replaced: S
         return _not_judged(scenario, required, transient)
     criteria = dict.fromkeys((*scenario.wanted, *required))
     bounds = [f"{DEFINITION_OF[one.kpi].title} ({required_words(one)})" for one in criteria]
-    bounds += (
-        [f"compensation active (at least {100.0 * LEAST_SHARE:.0f} % of the time)"] if scenario.moves_winch else []
-    )
-    bounds += ["no overload of rope, winch or attachment"]
+    if scenario.moves_winch:
+        bounds.append(f"compensation active (at least {100.0 * LEAST_SHARE:.0f} % of the time)")
+    bounds.append("no overload of rope, winch or attachment")
     sea = sea_source(others, run.seed)
     window = f"{run.transient:g} s to {run.duration:g} s, {'sea ' if sea.startswith('from') else ''}{sea}"
     return Announcement(f"{scenario.name}, judged from {window}: {'; '.join(bounds)}", is_judged=True)

@@ -26,10 +26,7 @@ ARGUMENTS = {
     "duration": ("", "Simulated seconds; empty: as in the scenario."),
     "seed": ("", "Seed of all random numbers; empty: as in the scenario."),
     "set": ("", "Changes of parameters, NODE.PARAM=VALUE, separated by spaces."),
-    "replace": (
-        "",
-        "Nodes to replace: NODE=external[:CLOCK], NODE=lockstep, NODE=none, separated by spaces.",
-    ),
+    "replace": ("", "Nodes to replace: NODE=external[:CLOCK], NODE=lockstep, NODE=none, separated by spaces."),
     "params_file": ("", "Parameter file that goes before the scenario; empty: none."),
     "autostart": ("", "false: a lifecycle manager configures and activates the nodes; empty: as in the scenario."),
     "log_level": ("info", "debug, info, warn, error or fatal."),

@@ -78,9 +78,7 @@ FAULTS: dict[str, FaultKind] = {
     "brake_shut": FaultKind("the brake does not open", ("winch",)),
     "creep": FaultKind("the drum creeps under load besides what it is commanded", ("winch",), PAYS_OUT),
     "low_pressure": FaultKind(
-        "hydraulic pressure has fallen: the drum is slower",
-        ("winch",),
-        "share of its speed limit, above 0",
+        "hydraulic pressure has fallen: the drum is slower", ("winch",), "share of its speed limit, above 0"
     ),
     "clear": FaultKind("ends the faults of the device that are active at its start; later ones stay", _ALL),
 }

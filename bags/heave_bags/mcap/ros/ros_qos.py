@@ -8,13 +8,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from rclpy.duration import Duration
-from rclpy.qos import (
-    DurabilityPolicy,
-    HistoryPolicy,
-    LivelinessPolicy,
-    QoSProfile,
-    ReliabilityPolicy,
-)
+from rclpy.qos import DurabilityPolicy, HistoryPolicy, LivelinessPolicy, QoSProfile, ReliabilityPolicy
 
 from heave_bags.mcap.ros.qos import INFINITE, OfferedQos
 

@@ -19,10 +19,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_bags(parser)
     add_baseline(parser)
     parser.add_argument(
-        "--window",
-        type=float,
-        metavar="S",
-        help="in --table and --json: the figures for each S seconds of the run",
+        "--window", type=float, metavar="S", help="in --table and --json: the figures for each S seconds of the run"
     )
     parser.add_argument("--table", type=Path, metavar="FILE", help="write the figures to this .csv, .parquet or .xlsx")
 
@@ -38,18 +35,11 @@ def execute(options: argparse.Namespace) -> None:
     check_output("--table", options.table, analysis.TABLE_ENDINGS)
     if options.window is not None and not 0.0 < options.window < math.inf:
         raise ParameterError(f"--window {options.window:g}: must be a number above 0 [s]")
-    records = read_records(
-        [bag_of(bag) for bag in options.bags],
-        scenario=options.scenario,
-        transient=options.transient,
-        baseline=options.baseline,
-    )
-    warnings = [run_warnings.warnings(record, record.kpis()) for record in records]
-    results = [
-        {**analysis.to_json(record, options.window), "warnings": own}
-        for record, own in zip(records, warnings, strict=True)
-    ]
-    reported = [f"{record.name}: {line}" for record, own in zip(records, warnings, strict=True) for line in own]
+    bags = [bag_of(bag) for bag in options.bags]
+    records = read_records(bags, scenario=options.scenario, transient=options.transient, baseline=options.baseline)
+    warned = [(record, run_warnings.warnings(record, record.kpis())) for record in records]
+    results = [{**analysis.to_json(record, options.window), "warnings": own} for record, own in warned]
+    reported = [f"{record.name}: {line}" for record, own in warned for line in own]
     text = "\n".join([analysis.table(records), *reported])
     if options.table is not None:
         analysis.save_frame(analysis.kpi_frame(records, options.window), options.table)

@@ -81,10 +81,7 @@ def _play(bag: Path, options: argparse.Namespace) -> None:
 
     with ProgressLine() as progress:
         played = play(
-            bag,
-            options_from(options),
-            delay=options.delay,
-            progress=lambda time: progress.show(f"t = {time:.1f} s"),
+            bag, options_from(options), delay=options.delay, progress=lambda time: progress.show(f"t = {time:.1f} s")
         )
     text = [f"{bag}: {played.messages} messages played", *played.left_out.values(), *played.notes]
     result = {

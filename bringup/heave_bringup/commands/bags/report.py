@@ -56,21 +56,19 @@ def execute(options: argparse.Namespace) -> None:
     if options.pdf:
         find_browser()
     records = read_records(bags, scenario=options.scenario, transient=options.transient, baseline=options.baseline)
-    verdicts = [judge(record, record.wanted, moves_winch=record.moves_winch) for record in records]
-    save_report(records, output, verdicts)
+    judged = [(record, judge(record, record.wanted, moves_winch=record.moves_winch)) for record in records]
+    save_report(records, output, [verdict for _, verdict in judged])
     files = {"report": output.resolve()}
     if options.pdf:
         files["pdf"] = output.resolve().with_suffix(".pdf")
         save_pdf(output, files["pdf"])
-    reported = [f"{record.name}: {line}" for record, one in zip(records, verdicts, strict=True) for line in one.lines()]
+    reported = [f"{record.name}: {line}" for record, one in judged for line in one.lines()]
     table = analysis.table(records) if options.full else headline.table(records)
     places = [f"{name:<9} {path}" for name, path in files.items()]
-    runs = [
-        {**analysis.to_json(record), "verdict": one.to_json()} for record, one in zip(records, verdicts, strict=True)
-    ]
+    runs = [{**analysis.to_json(record), "verdict": one.to_json()} for record, one in judged]
     result = {**{name: str(path) for name, path in files.items()}, "runs": runs}
     write_result(options, "\n".join([table, "", *places, "", *reported]), result)
-    failures = [f"{record.name}: {one}" for record, of in zip(records, verdicts, strict=True) for one in of.failures]
+    failures = [f"{record.name}: {one}" for record, of in judged for one in of.failures]
     if failures:
         raise VerdictError(failures, str(output))
 

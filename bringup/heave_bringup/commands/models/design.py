@@ -47,9 +47,7 @@ def execute(options: argparse.Namespace) -> None:
         progress.show("designing the controller and predicting the loop")
         try:
             report = design_report(
-                scenario.parameters["winch_controller"],
-                tick_period=scenario.run.tick_period,
-                seed=scenario.run.seed,
+                scenario.parameters["winch_controller"], tick_period=scenario.run.tick_period, seed=scenario.run.seed
             )
         except (PlantError, DesignError, ModelError) as error:
             raise CommandError(f"{scenario.path}: {error}") from error

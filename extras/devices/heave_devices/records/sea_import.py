@@ -19,6 +19,7 @@ from heave_bags.errors import BagError
 from heave_bags.mcap.loss import remarks
 from heave_bags.mcap.reader import TIME, Bag
 from heave_bags.signals import Signal, integrated
+from heave_node.files.given_files import whole_file
 from heave_node.files.plausible import PLAUSIBLE, question, refusal, sea_question
 from heave_node.numerics.arrays import Array
 from heave_node.numerics.kinematics import euler_part, turned
@@ -342,11 +343,9 @@ def _resampled(signal: Signal, channel: Channel, start: float, time: Array) -> A
 def write_sea(sea: ImportedSea, output: Path, source: Path) -> None:
     """Write the motion `sea`, which was read from `source`, to `output` as the CSV file that `wave_vessel` takes.
 
-    Raises BagError if it cannot be written.
+    Raises OSError if it cannot be written.
     """
     lines = [f"# boom-tip motion about its mean, from {source.name}", "time_s,x_m,y_m,z_m"]
     lines += [f"{t:.4f},{x:.6f},{y:.6f},{z:.6f}" for t, (x, y, z) in zip(sea.time, sea.position, strict=True)]
-    try:
-        output.write_text("\n".join(lines) + "\n", encoding="utf-8")
-    except OSError as error:
-        raise BagError(f"{output}: cannot be written: {error.strerror}") from error
+    with whole_file(output) as unfinished:
+        unfinished.write_text("\n".join(lines) + "\n", encoding="utf-8")

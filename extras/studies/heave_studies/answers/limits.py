@@ -13,27 +13,9 @@ from heave_bringup.output import Part
 from heave_bringup.run.criteria import BASELINE_LAW, LAW
 from heave_node.parameters import ParameterError
 
-from heave_studies.answers.answer import (
-    Ask,
-    Found,
-    Section,
-    check_seas,
-    criteria_of,
-    criteria_section,
-    number_in,
-)
-from heave_studies.operability.limits import (
-    HEIGHT,
-    Bisection,
-    interval,
-    limit_words,
-    title_of,
-    too_few_seeds,
-)
-from heave_studies.operability.seas import (
-    Situation,
-    study_situations,
-)
+from heave_studies.answers.answer import Ask, Found, Section, check_seas, criteria_of, criteria_section, number_in
+from heave_studies.operability.limits import HEIGHT, Bisection, interval, limit_words, title_of, too_few_seeds
+from heave_studies.operability.seas import Situation, study_situations
 from heave_studies.study.plan import Study, unlinked
 from heave_studies.study.workers import FAILURE
 
