@@ -53,10 +53,11 @@ class Loss:
 
 
 def remarks(notes: Iterable[str], losses: Iterable[Loss]) -> list[str]:
-    """Return what a reader of a bag must know, one line each: the `notes`, and the `losses`, the largest first."""
-    found = sorted(losses, key=lambda loss: -math.inf if loss.messages is None else -loss.messages)
-    named = [f"not all of the bag could be read: {loss}" for loss in found[:MOST_NAMED]]
-    if rest := [loss.messages for loss in found[MOST_NAMED:]]:
+    """Return what a reader of a bag must know, one line each: the `notes`, and the largest `losses`."""
+    found = list(losses)
+    largest = sorted(found, key=lambda loss: -math.inf if loss.messages is None else -loss.messages)[:MOST_NAMED]
+    named = [f"not all of the bag could be read: {loss}" for loss in found if loss in largest]
+    if rest := [loss.messages for loss in found if loss not in largest]:
         count = "an unknown number of" if None in rest else sum(filter(None, rest))
         named.append(f"not all of the bag could be read: {len(rest)} more places with {count} messages lost")
     return [*map(one_line, notes), *named]
