@@ -182,5 +182,7 @@ def test_bad_input_is_refused():
         natural_frequencies(LINE, -1.0, 1)
     with pytest.raises(LinearisationError, match="not a number"):
         natural_frequencies(replace(LINE, unit=AxialUnit(math.nan, 5e4)), 900.0, 1)
-    with pytest.raises(LinearisationError, match="at least two"):
+    with pytest.raises(LinearisationError, match="two frequencies or more"):
         fit_two_state([1.0], [1.0 + 0.0j])
+    with pytest.raises(LinearisationError, match="a unit that moves"):
+        fit_two_state([1.0, 2.0], [1e-300 + 0.0j, 0.0j])

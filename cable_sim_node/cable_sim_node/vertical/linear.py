@@ -308,14 +308,14 @@ def fit_two_state(omegas: ArrayLike, unit_heave: ArrayLike, *, weights: ArrayLik
     Raises
     ------
     LinearisationError
-        if fewer than two frequencies are given, or they differ in number.
+        if fewer than two frequencies are given, or they differ in number, or the unit stands still.
     """
     omega = np.asarray(omegas, dtype=np.float64)
     exact = np.asarray(unit_heave, dtype=np.complex128)
     weight = np.ones_like(omega) if weights is None else np.asarray(weights, dtype=np.float64)
-    if len(omega) < 2 or exact.shape != omega.shape or weight.shape != omega.shape:
+    if not (len(omega) > 1 and exact.shape == omega.shape == weight.shape and np.any(np.abs(weight * exact) ** 2)):
         raise LinearisationError(
-            "a two-state fit needs at least two frequencies, each with one response and one weight"
+            "a two-state fit needs two frequencies or more, each with a response and a weight, and a unit that moves"
         )
 
     def difference(guess: Array) -> Array:
