@@ -40,7 +40,7 @@ class Incident:
 
 
 INCIDENTS = (
-    Incident("museum_brake_energised", 30.0, ("WINCH_DRIVE_FAULT",)),
+    Incident("museum_brake_energised", 30.0, ("DRUM_NOT_HELD: count",)),
     Incident("museum_pressure_returns", 40.0, ("WINCH_DRIVE_FAULT",)),
     Incident("museum_rope_off_sheave", 40.0, ("SENSOR_DOUBTFUL, ENCODER: jump",)),
     Incident("museum_payout_zero", math.nan, ("PAYOUT_DEPTH_DISAGREE",)),
