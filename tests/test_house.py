@@ -47,14 +47,14 @@ FOLDERS = {
 
 BUDGETS = {
     "core": (4_139, 2_800),
-    "node_base": (12_686, 9_500),
+    "node_base": (12_685, 9_500),
     "wave_vessel_node": (5_081, 4_400),
     "cable_sim_node": (8_994, 8_500),
     "winch_controller_node": (18_704, 14_000),
-    "bags": (10_660, 7_700),
-    "bringup": (7_711, 6_100),
+    "bags": (10_659, 7_700),
+    "bringup": (7_709, 6_100),
     "extras/devices": (7_529, 4_900),
-    "extras/studies": (12_349, 6_000),
+    "extras/studies": (12_332, 6_000),
     "extras/statics": (3_190, 1_800),
     "extras/drives": (1_768, 1_768),
     "extras/panel": (1_538, 900),
