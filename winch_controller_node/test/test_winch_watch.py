@@ -169,6 +169,19 @@ def test_a_fault_stays_known_while_no_state_comes_and_its_cause_is_told(design):
     assert said == "", "of another fault the winch alone knows the cause"
 
 
+@pytest.mark.parametrize(
+    ("fault", "reported", "words"),
+    [
+        (WinchFault.DRIVE, WinchFault.NONE, "it was restarted"),
+        (WinchFault.DRIVE, WinchFault.DRIVE, ""),
+        (WinchFault.NONE, WinchFault.NONE, ""),
+    ],
+)
+def test_only_a_fault_that_the_winch_does_not_report_is_one_of_a_restart(design, fault, reported, words):
+    seen = Measurements(winch=WinchReading(1.0, 0.0, 0.0, True, int(reported), 0, 0))
+    assert Link(design).watch.fault_cause(fault, seen) == words
+
+
 def test_a_braked_drum_is_not_compared_and_begins_where_it_stands(design):
     link = Link(design)
     link.run(200, rate=0.5)  # ordered to move, and the encoder stands

@@ -78,7 +78,7 @@ class WinchWatch:
         """Return why the winch has a `fault`, in words, by what was `seen` in the tick; empty: unknown."""
         if fault == WinchFault.COMMAND_TIMEOUT:
             return self._timeout_cause.words(seen.lateness)
-        return "" if seen.winch is None or seen.winch.fault else "it was restarted"
+        return "" if not fault or seen.winch is None or seen.winch.fault else "it was restarted"
 
     def take_kept(self) -> int:
         """Return for how many ticks the winch has kept its order until now, once."""
