@@ -45,7 +45,7 @@ def repair(source: str | Path, output: str | Path, *, progress: Progress = no_pr
     for message in bag.messages(progress=progress):
         writer.write(message.topic, message.log_time, message.data, publish_time=message.publish_time)
         count += 1
-    lost = "; ".join(remarks((), bag.losses))
+    lost = "; ".join(str(loss) for loss in bag.losses)
     writer.close({**bag.outcome, "repaired_from": str(bag.path.name), **({"lost": lost} if lost else {})})
     return Repaired(Path(output), count, tuple(bag.losses), tuple(bag.notes))
 
@@ -65,6 +65,6 @@ def reindex(folder: str | Path) -> Bag:
         command = f"heave repair {shlex.quote(str(bag.path))} --output {shlex.quote(f'{bag.path}_repaired')}"
         raise BagError(f"{damage[0]}; repair the bag instead: {command}")
     if bag.losses:
-        summary.custom_data = {**summary.custom_data, "lost": "; ".join(remarks((), bag.losses))}
+        summary.custom_data = {**summary.custom_data, "lost": "; ".join(str(loss) for loss in bag.losses)}
     write_metadata(bag.path, summary)
     return bag
